@@ -56,7 +56,7 @@ class Chain {
   }
 
   void plus(const std::string& name, const std::string& other) {
-    network_.layers.push_back({.name = name, .op = Op::kAdd, .inputs = {last_, other}});
+    network_.layers.push_back({.name = name, .op = VideoOp::kAdd, .inputs = {last_, other}});
     last_ = name;
   }
 
@@ -85,7 +85,7 @@ inline std::vector<std::string> encode(Chain& chain, size_t channels, size_t enc
   for (size_t i = 0; i < encoders; ++i) {
     channels *= 2;
     chain.conv(cat("encoder", i), channels, 5, 2);
-    chain.cell(cat("cell", i), Op::kConvLstm, channels);
+    chain.cell(cat("cell", i), VideoOp::kConvLstm, channels);
     skips.push_back(chain.last());
   }
   return skips;
@@ -97,7 +97,7 @@ inline void decode(Chain& chain, size_t channels, std::vector<std::string> skips
     channels /= 2;
     chain.plus(cat("join", i), skips.back());
     skips.pop_back();
-    chain.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {}, .stride = 2});
+    chain.add({.name = cat("double", i), .op = VideoOp::kUpsampleBilinear, .inputs = {}, .stride = 2});
     chain.conv(cat("decoder", i), channels, 5);
   }
   chain.plus("join", skips.back());
@@ -120,7 +120,7 @@ class Transformers {
       relate(scale, maps[scale], maps[scale == 0 ? 0 : scale - 1]);
       maps.push_back(chain_.last());
     }
-    chain_.put({.name = "mean", .op = Op::kMean, .inputs = maps});
+    chain_.put({.name = "mean", .op = VideoOp::kMean, .inputs = maps});
   }
 
  private:
@@ -131,7 +131,7 @@ class Transformers {
       x = cat("split", scale);
       chain_.put({.name = x, .inputs = {input}, .out_channels = channels_, .kernel = size, .stride = size});
     }
-    chain_.put({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {x}});
+    chain_.put({.name = cat("place", scale), .op = VideoOp::kPositionCode, .inputs = {x}});
     for (size_t i = 0; i < options_.self_layers; ++i) {
       const std::string name = cat("self", scale, "_", i), last = chain_.last();
       look_around(name, last);
@@ -153,7 +153,7 @@ class Transformers {
   }
 
   void norm(const std::string& name, const std::string& input) {
-    chain_.put({.name = name, .op = Op::kLayerNorm, .inputs = {input}});
+    chain_.put({.name = name, .op = VideoOp::kLayerNorm, .inputs = {input}});
   }
 
   void linear(const std::string& name, const std::string& input, size_t channels, const std::string& sum = "") {
@@ -169,7 +169,7 @@ class Transformers {
     const std::vector<std::string> parts = {name + "_query", name + "_key", name + "_value"};
     for (const std::string& part : parts) linear(part, part == parts[0] ? queries : memory, channels_);
     chain_.put({.name = name + "_look",
-                .op = Op::kAttention,
+                .op = VideoOp::kAttention,
                 .inputs = parts,
                 .attributes = {{"heads", {static_cast<double>(options_.heads)}}}});
     linear(name, name + "_look", channels_, sum);
@@ -198,7 +198,7 @@ inline model::Network firenet(size_t bins = 5, size_t channels = 16) {
   Chain chain(bins);
   chain.conv("head", channels, 3);
   for (const char* number : {"1", "2"}) {
-    chain.cell(cat("cell", number), Op::kConvGru, channels);
+    chain.cell(cat("cell", number), VideoOp::kConvGru, channels);
     chain.residual_block(cat("block", number), channels);
   }
   chain.add({.name = "picture", .inputs = {}, .out_channels = 1});
@@ -215,7 +215,7 @@ inline model::Network event_unet(const EventUnetOptions& options = {}) {
   const size_t channels = options.channels << options.encoders;
   for (size_t i = 0; i < options.blocks; ++i) chain.residual_block(cat("block", i), channels);
   decode(chain, channels, std::move(skips));
-  if (options.ends_in_sigmoid) chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}});
+  if (options.ends_in_sigmoid) chain.add({.name = "sigmoid", .op = VideoOp::kSigmoid, .inputs = {}});
   return chain.take();
 }
 
@@ -227,7 +227,7 @@ inline model::Network event_transformer(const EventTransformerOptions& options =
   std::vector<std::string> skips = encode(chain, options.channels, options.encoders);
   Transformers(chain, options).add(skips);
   decode(chain, options.channels << options.encoders, std::move(skips));
-  chain.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {}});
+  chain.add({.name = "sigmoid", .op = VideoOp::kSigmoid, .inputs = {}});
   return chain.take();
 }
 

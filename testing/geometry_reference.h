@@ -140,7 +140,7 @@ inline Result<ReferencePlanes> warp_reference(ReferenceCall& call) {
 
 /// Lets run_reference() compute them.
 inline const bool g_is_added = [] {
-  engine::added_references().insert({{Op::kPlaneSweep, sweep_reference}, {Op::kRenderLayers, render_reference}, {Op::kWarp, warp_reference}});
+  engine::added_references().insert({{GeometryOp::kPlaneSweep, sweep_reference}, {GeometryOp::kRenderLayers, render_reference}, {GeometryOp::kWarp, warp_reference}});
   return true;
 }();
 

@@ -51,13 +51,13 @@ inline Codes three_boxes() {
 
 inline Layer transposed(const std::string& name, const std::string& input, size_t out_channels) {
   Layer layer = conv(name, input, out_channels, 2, false, "", 2);
-  layer.op = Op::kConvTransposed;
+  layer.op = GeometryOp::kConvTransposed;
   return layer;
 }
 
 /// The layers of e2lf-depth with one level of 4 and 6 channels.
 inline model::Network small_network(size_t input_channels) {
-  Layer sweep = reshape("sweep", Op::kPlaneSweep, {"features"});
+  Layer sweep = reshape("sweep", GeometryOp::kPlaneSweep, {"features"});
   sweep.kernel = 7;
   for (int i = -17; i <= 17; ++i) sweep.attributes["disparities"].push_back(0.2 * i);
   sweep.attributes["offsets"] = {0, 0, 0, 0, 0, 0};
@@ -66,12 +66,12 @@ inline model::Network small_network(size_t input_channels) {
            conv("pictures", "input", 3, 4, false, "", 4), conv("features", "pictures", 12, 5, false), sweep,
            conv("down0_0a", "start", 4, 3, true), conv("down0_0b", "down0_0a", 4, 3, false, "start"),
            conv("down0_half", "down0_0b", 6, 2, false, "", 2),
-           reshape("evidence", Op::kConcat, {"down0_half", "sweep", "features"}),
+           reshape("evidence", GeometryOp::kConcat, {"down0_half", "sweep", "features"}),
            conv("weigh", "evidence", 6, 3, false, "down0_half"), conv("middle_0a", "weigh", 6, 3, true),
            conv("middle_0b", "middle_0a", 6, 3, false, "weigh"), transposed("up0_double", "middle_0b", 4),
-           reshape("up0_join", Op::kAdd, {"up0_double", "down0_0b"}), conv("up0_0a", "up0_join", 4, 3, true),
+           reshape("up0_join", GeometryOp::kAdd, {"up0_double", "down0_0b"}), conv("up0_0a", "up0_join", 4, 3, true),
            conv("up0_0b", "up0_0a", 4, 3, false, "up0_join"), conv("head", "up0_0b", 8, 3, false),
-           reshape("disparity", Op::kPixelShuffle, {"head"}, 2)}};
+           reshape("disparity", GeometryOp::kPixelShuffle, {"head"}, 2)}};
 }
 
 /// The numbers (29 i + 13 n) mod 31, from -1 to 1, over the square root of the number of weights of an output.

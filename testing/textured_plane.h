@@ -16,8 +16,8 @@ inline float depth_at_disparity(const SceneCamera& camera, float disparity_px) {
 /// Returns a single evenly lit plane that faces the camera at this disparity (px per view step) and fills every view.
 /// Its noise texture has high contrast and detail from a quarter of the picture down to two or three pixels, at any
 /// size (16 px wide or more). All views are shifted copies of each other. Disparities of 4 and more break the contract.
-inline Scene textured_plane_scene(float disparity_px, uint64_t seed = 0) {
-  Scene scene;
+inline ProceduralScene textured_plane_scene(float disparity_px, uint64_t seed = 0) {
+  ProceduralScene scene;
   const float z = depth_at_disparity(scene.camera, disparity_px);
   Material material{TextureKind::kNoise, 0.0F, 1.0F, 0.2F};
   material.grain = 0;

@@ -184,15 +184,15 @@ inline Result<ReferencePlanes> attention_reference(ReferenceCall& call) {
 
 /// Lets run_reference() compute them.
 inline const bool g_is_added = [] {
-  engine::added_references().insert({{Op::kAttention, attention_reference},
-                                     {Op::kConvGru, gru_reference},
-                                     {Op::kConvLstm, lstm_reference},
-                                     {Op::kDynamicFilter, filter_reference},
-                                     {Op::kLayerNorm, layer_norm_reference},
-                                     {Op::kPositionCode, position_code_reference},
-                                     {Op::kPrevious, previous_reference},
-                                     {Op::kTanh, tanh_reference},
-                                     {Op::kUpsampleBilinear, bilinear_reference}});
+  engine::added_references().insert({{VideoOp::kAttention, attention_reference},
+                                     {VideoOp::kConvGru, gru_reference},
+                                     {VideoOp::kConvLstm, lstm_reference},
+                                     {VideoOp::kDynamicFilter, filter_reference},
+                                     {VideoOp::kLayerNorm, layer_norm_reference},
+                                     {VideoOp::kPositionCode, position_code_reference},
+                                     {VideoOp::kPrevious, previous_reference},
+                                     {VideoOp::kTanh, tanh_reference},
+                                     {VideoOp::kUpsampleBilinear, bilinear_reference}});
   return true;
 }();
 

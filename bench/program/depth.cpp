@@ -36,7 +36,7 @@ struct DepthScene {
 /// Returns the scene of `e2lf demo --seed 1`.
 DepthScene demo() {
   const lightfield::Shape shape{8, 8, 384, 512, 1};
-  const lightfield::Scene scene = lightfield::demo_scene(1);
+  const lightfield::ProceduralScene scene = lightfield::demo_scene(1);
   return {"demo scene", lightfield::render_light_field(scene, shape),
           lightfield::render_disparity(scene, {shape.height, shape.width, 0.5F, 0.5F})};
 }

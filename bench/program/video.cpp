@@ -22,7 +22,7 @@ namespace {
 
 using engine::Engine;
 using engine::Precision;
-using video::Op;
+using video::VideoOp;
 
 struct NamedNetwork {
   std::string name;
@@ -74,24 +74,24 @@ class PeerNetwork {
 
  private:
   bool set_op(const model::Layer& layer, E2lfTorchVideoLayer& peer) const {
-    static const std::map<std::string, E2lfTorchOp> known = {{Op::kConv, kE2lfConv},
-                                                             {Op::kConvGru, kE2lfGru},
-                                                             {Op::kConvLstm, kE2lfLstm},
-                                                             {Op::kUpsampleBilinear, kE2lfBilinear},
-                                                             {Op::kAdd, kE2lfAdd},
-                                                             {Op::kMean, kE2lfMean},
-                                                             {Op::kLayerNorm, kE2lfLayerNorm},
-                                                             {Op::kPositionCode, kE2lfPositionCode},
-                                                             {Op::kAttention, kE2lfAttention},
-                                                             {Op::kSigmoid, kE2lfSigmoid}};
+    static const std::map<std::string, E2lfTorchOp> known = {{VideoOp::kConv, kE2lfConv},
+                                                             {VideoOp::kConvGru, kE2lfGru},
+                                                             {VideoOp::kConvLstm, kE2lfLstm},
+                                                             {VideoOp::kUpsampleBilinear, kE2lfBilinear},
+                                                             {VideoOp::kAdd, kE2lfAdd},
+                                                             {VideoOp::kMean, kE2lfMean},
+                                                             {VideoOp::kLayerNorm, kE2lfLayerNorm},
+                                                             {VideoOp::kPositionCode, kE2lfPositionCode},
+                                                             {VideoOp::kAttention, kE2lfAttention},
+                                                             {VideoOp::kSigmoid, kE2lfSigmoid}};
     const auto found = known.find(layer.op);
-    if (found == known.end() || (layer.relu && layer.op != Op::kConv)) return false;
+    if (found == known.end() || (layer.relu && layer.op != VideoOp::kConv)) return false;
     peer.op = found->second;
-    if (layer.op == Op::kConv || layer.op == Op::kLayerNorm) set_weights(layer.name, peer.weight, peer.bias);
-    if (layer.op == Op::kConvGru || layer.op == Op::kConvLstm) {
+    if (layer.op == VideoOp::kConv || layer.op == VideoOp::kLayerNorm) set_weights(layer.name, peer.weight, peer.bias);
+    if (layer.op == VideoOp::kConvGru || layer.op == VideoOp::kConvLstm) {
       set_weights(layer.name + ".gates", peer.weight, peer.bias);
     }
-    if (layer.op == Op::kConvGru) {
+    if (layer.op == VideoOp::kConvGru) {
       set_weights(layer.name + ".candidate", peer.candidate_weight, peer.candidate_bias);
     }
     return true;
@@ -113,7 +113,7 @@ double products(const model::Network& network, size_t height, size_t width) {
   double sum = model::macs_per_pixel(network) * static_cast<double>(height * width);
   const auto shapes = model::infer_shapes(network).value();
   for (size_t i = 0; i < shapes.size(); ++i) {
-    if (network.layers[i].op != Op::kAttention) continue;
+    if (network.layers[i].op != VideoOp::kAttention) continue;
     const auto pixels = static_cast<double>(height / shapes[i].scale * (width / shapes[i].scale));
     sum += 2.0 * static_cast<double>(shapes[i].channels) * pixels * pixels;
   }

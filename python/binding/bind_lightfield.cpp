@@ -178,7 +178,7 @@ void bind_images(py::module_& module) {
 }
 
 void bind_scenes(py::module_& module) {
-  const auto render = [](const lightfield::Scene& scene, size_t width, size_t height, size_t views) {
+  const auto render = [](const lightfield::ProceduralScene& scene, size_t width, size_t height, size_t views) {
     if (width < 16 || height < 16 || width > 8192 || height > 8192)
       throw py::value_error("width and height are 16..8192 px");
     if (views < 1 || views > 64) throw py::value_error("views is 1..64");

@@ -105,7 +105,7 @@ Result<void> check_each(const std::vector<Item>& items, const std::string& locat
   return {};
 }
 
-Result<void> check(const Config& config, const std::string& location) {
+Result<void> check(const ComparisonConfig& config, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_names(config.methods, location + ".methods"));
   E2LF_RETURN_IF_ERROR(check_names(config.scenes, location + ".scenes"));
   E2LF_RETURN_IF_ERROR(check_names(config.sensors, location + ".sensors"));
@@ -132,10 +132,10 @@ Result<void> check(const Config& config, const std::string& location) {
 
 }  // namespace
 
-Result<Config> config_from_json(const Json& json, const std::string& location) {
+Result<ComparisonConfig> config_from_json(const Json& json, const std::string& location) {
   if (!json.is_object())
     return fail(ErrorCode::kFormat, location, "the configuration is not a JSON object; enclose it in { }");
-  Config config;
+  ComparisonConfig config;
   const std::string root = location + ": $";
   OptionReader reader(json, root);
   visit_config(config, reader);
@@ -144,7 +144,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   return config;
 }
 
-Json to_json(const Config& config) {
+Json to_json(const ComparisonConfig& config) {
   FieldWriter writer;
   visit_config(config, writer);
   return std::move(writer).json();

@@ -42,7 +42,7 @@ struct SensorConfig {
   bool fit_gain = false;
 };
 
-struct Config {
+struct ComparisonConfig {
   std::string name;
   std::vector<MethodConfig> methods;
   std::vector<GroupConfig> scenes;
@@ -58,9 +58,9 @@ inline constexpr const char* kAlgorithms[] = {"network", "inversion", "event-vid
 /// Reads a configuration. Fails with kFormat and kInvalidValue (unknown keys, for which the nearest known
 /// one is suggested, values out of range, duplicate names, or nothing to compare). The location is the place in the
 /// file.
-[[nodiscard]] Result<Config> config_from_json(const Json& json, const std::string& location);
+[[nodiscard]] Result<ComparisonConfig> config_from_json(const Json& json, const std::string& location);
 
 /// Returns all keys with their values, which config_from_json() reads. docs/compare.md describes them.
-[[nodiscard]] Json to_json(const Config& config);
+[[nodiscard]] Json to_json(const ComparisonConfig& config);
 
 }  // namespace e2lf::compare

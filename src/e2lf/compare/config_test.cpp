@@ -96,7 +96,7 @@ TEST(Config, RefusesUnknownMetricsAndOtherShapes) {
 }
 
 TEST(Config, ThePageHasARowForEveryKey) {
-  Config config;
+  ComparisonConfig config;
   config.methods = {MethodConfig{}};
   config.scenes = {GroupConfig{}};
   config.sensors = {SensorConfig{}};

@@ -38,7 +38,7 @@ Result<size_t> run_jobs(const Plan& plan, const std::vector<size_t>& jobs, const
   const auto compute = [&](const Job& job) -> Result<void> {
     report(0, 1);
     if (loaded != job.scene) {
-      const Scene& scene = plan.scenes[job.scene];
+      const ComparedScene& scene = plan.scenes[job.scene];
       E2LF_ASSIGN_OR_RETURN(truth, load_scene(scene));
       E2LF_ASSIGN_OR_RETURN(disparity, scene_disparity(scene, truth));
       loaded = job.scene;
@@ -101,7 +101,7 @@ Result<void> ResultStore::keep(const Plan& plan, const Job& job, const Json& fig
 
 Result<size_t> ResultStore::take_over(const Plan& plan, const ResultStore& other) const {
   size_t taken = 0;
-  for (const Scene& scene : plan.scenes) {
+  for (const ComparedScene& scene : plan.scenes) {
     E2LF_RETURN_IF_ERROR(keep_picture(truth_key(scene), other.picture(truth_key(scene))));
   }
   for (const Job& job : plan.jobs) {
@@ -114,7 +114,7 @@ Result<size_t> ResultStore::take_over(const Plan& plan, const ResultStore& other
   return taken;
 }
 
-std::string truth_key(const Scene& scene) {
+std::string truth_key(const ComparedScene& scene) {
   return sha256_of_text(json_line(scene.identity));
 }
 

@@ -39,7 +39,7 @@ class ResultStore {
 };
 
 /// Returns the key of the picture of a true scene.
-[[nodiscard]] std::string truth_key(const Scene& scene);
+[[nodiscard]] std::string truth_key(const ComparedScene& scene);
 
 /// The part of the jobs that one run computes: part `number` of `count`, counted from 1.
 struct Shard {

@@ -22,7 +22,7 @@ Plan four_jobs() {
   plan.methods[0].codes = capture::default_codes();
   plan.sensors.resize(1);
   for (const uint64_t scene : {0, 1}) {
-    Scene& rendered = plan.scenes.emplace_back();
+    ComparedScene& rendered = plan.scenes.emplace_back();
     rendered.rendered_seed = scene;
     rendered.identity = scene;
     rendered.group.width = 48;

@@ -114,7 +114,7 @@ Result<void> add_disparity(const lightfield::Image& truth, Outcome& outcome) {
 
 }  // namespace
 
-Result<lightfield::Image> scene_disparity(const Scene& scene, const LightField& truth) {
+Result<lightfield::Image> scene_disparity(const ComparedScene& scene, const LightField& truth) {
   const lightfield::Shape& shape = truth.shape();
   if (!depth::has_comparable_disparity(shape)) return lightfield::Image();
   if (scene.rendered_seed) {
@@ -142,7 +142,7 @@ Result<lightfield::Image> scene_disparity(const Scene& scene, const LightField& 
   return lightfield::view_image(cropped, 0, 0);
 }
 
-Result<LightField> load_scene(const Scene& scene) {
+Result<LightField> load_scene(const ComparedScene& scene) {
   const GroupConfig& group = scene.group;
   if (scene.rendered_seed) {
     const size_t width = group.width > 0 ? group.width : 512, height = group.height > 0 ? group.height : 384;

@@ -16,13 +16,14 @@
 namespace e2lf::compare {
 
 /// Loads the light field of a scene in the form in which it is compared: 8x8 grey views, cropped to the middle.
-[[nodiscard]] Result<lightfield::LightField> load_scene(const Scene& scene);
+[[nodiscard]] Result<lightfield::LightField> load_scene(const ComparedScene& scene);
 
 /// Returns the true disparities of the middle view of a scene: those rendered, those of the file beside the scene
 /// (depth::find_true_disparity()), cropped as the scene is, or else those that depth::estimate_disparity() finds in
 /// `truth`, the result of load_scene(). It is empty if depth::has_comparable_disparity() is false. Fails with kShape
 /// (the file has another size) and as reading does.
-[[nodiscard]] Result<lightfield::Image> scene_disparity(const Scene& scene, const lightfield::LightField& truth);
+[[nodiscard]] Result<lightfield::Image> scene_disparity(const ComparedScene& scene,
+                                                        const lightfield::LightField& truth);
 
 /// The outcome of a job.
 struct Outcome {

@@ -224,7 +224,7 @@ TEST(Measure, CropsTheDisparitiesBesideAScene) {
   std::vector<float> map(shape.view_size());
   for (size_t i = 0; i < map.size(); ++i) map[i] = static_cast<float>(i);
   ASSERT_TRUE(write_npy(folder.path() / "gt_disparity.npy", make_npy<float>({40, 60}, map)).ok());
-  Scene scene;
+  ComparedScene scene;
   scene.path = folder.path();
   scene.group.width = 50;
   scene.group.height = 36;

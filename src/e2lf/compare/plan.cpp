@@ -52,7 +52,8 @@ Json scan_identity(const Sensor& sensor) {
 
 class Planner {
  public:
-  Planner(const Config& config, const Environment& environment) : config_(config), environment_(environment) {}
+  Planner(const ComparisonConfig& config, const Environment& environment)
+      : config_(config), environment_(environment) {}
 
   Result<Plan> make() {
     plan_.name = config_.name.empty() ? "comparison" : config_.name;
@@ -174,8 +175,8 @@ class Planner {
 
   /// Returns the scenes that a name denotes: a single one, or those that match a pattern. Fails with kNotFound if there
   /// are none.
-  Result<std::vector<Scene>> find_scenes(const std::string& name, const GroupConfig& group) {
-    std::vector<Scene> scenes;
+  Result<std::vector<ComparedScene>> find_scenes(const std::string& name, const GroupConfig& group) {
+    std::vector<ComparedScene> scenes;
     if (name == "demo" || name.starts_with("demo:")) {
       const auto seed = recordings::parse_number<uint64_t>(name == "demo" ? "1" : name.substr(5));
       if (!seed) return fail(ErrorCode::kInvalidValue, group.name, "\"", name, "\" has no number; write e.g. demo:2");
@@ -207,9 +208,9 @@ class Planner {
   }
 
   /// Returns the scenes of the list that exist.
-  Result<std::vector<Scene>> find_all(const std::vector<std::string>& names, const GroupConfig& group,
-                                      std::optional<Error>& missing) {
-    std::vector<Scene> scenes;
+  Result<std::vector<ComparedScene>> find_all(const std::vector<std::string>& names, const GroupConfig& group,
+                                              std::optional<Error>& missing) {
+    std::vector<ComparedScene> scenes;
     for (const std::string& name : names) {
       auto found = find_scenes(name, group);
       if (!found && found.error().code != ErrorCode::kNotFound) return found.error();
@@ -222,7 +223,7 @@ class Planner {
 
   Result<void> add_group(const GroupConfig& group) {
     std::optional<Error> missing;
-    E2LF_ASSIGN_OR_RETURN(std::vector<Scene> scenes, find_all(group.scenes, group, missing));
+    E2LF_ASSIGN_OR_RETURN(std::vector<ComparedScene> scenes, find_all(group.scenes, group, missing));
     if (missing && !scenes.empty()) return *missing;
     if (missing) {
       std::optional<Error> none_stands_in;
@@ -233,7 +234,7 @@ class Planner {
                                        scenes.size() == 1 ? " substitute is" : " substitutes are", " used instead"));
     }
     if (!scenes.empty()) plan_.groups.push_back(group.name);
-    for (Scene& scene : scenes) {
+    for (ComparedScene& scene : scenes) {
       Json content = scene.rendered_seed ? Json(cat("demo:", *scene.rendered_seed)) : Json();
       if (!scene.rendered_seed) {
         E2LF_ASSIGN_OR_RETURN(content, hash_of(scene.path));
@@ -298,7 +299,7 @@ class Planner {
     }
   }
 
-  const Config& config_;
+  const ComparisonConfig& config_;
   const Environment& environment_;
   std::map<fs::path, std::string> hashes_;
   Plan plan_;
@@ -306,7 +307,7 @@ class Planner {
 
 }  // namespace
 
-Result<Plan> make_plan(const Config& config, const Environment& environment) {
+Result<Plan> make_plan(const ComparisonConfig& config, const Environment& environment) {
   return Planner(config, environment).make();
 }
 

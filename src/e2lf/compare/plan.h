@@ -25,7 +25,7 @@ struct ComparedMethod {
   Json identity;       ///< everything on which its results depend
 };
 
-struct Scene {
+struct ComparedScene {
   std::string name;
   std::filesystem::path path;             ///< empty if rendered
   std::optional<uint64_t> rendered_seed;  ///< seed of the demo scene
@@ -61,7 +61,7 @@ struct Plan {
   std::string name;
   std::vector<ComparedMethod> methods;
   std::vector<std::string> left_out;  ///< names of optional methods whose files are missing
-  std::vector<Scene> scenes;          ///< group by group
+  std::vector<ComparedScene> scenes;  ///< group by group
   std::vector<std::string> groups;    ///< names of the groups that exist
   std::vector<Sensor> sensors;
   std::vector<std::string> metrics;
@@ -86,6 +86,6 @@ struct Environment {
 /// Locates and hashes all files and lists the jobs. Optional methods and groups whose files are missing are omitted
 /// with a warning. Fails with kNotFound if other files are missing or if nothing remains, and as reading models,
 /// cameras and patterns does.
-[[nodiscard]] Result<Plan> make_plan(const Config& config, const Environment& environment);
+[[nodiscard]] Result<Plan> make_plan(const ComparisonConfig& config, const Environment& environment);
 
 }  // namespace e2lf::compare

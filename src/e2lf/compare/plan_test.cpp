@@ -38,8 +38,8 @@ class PlanTest : public testing::Test {
   }
   ~PlanTest() override { fs::remove_all(folder_); }
 
-  static Config config() {
-    Config config;
+  static ComparisonConfig config() {
+    ComparisonConfig config;
     config.methods.resize(1);
     config.methods[0].name = "inversion";
     config.methods[0].algorithm = "inversion";
@@ -49,7 +49,7 @@ class PlanTest : public testing::Test {
     return config;
   }
 
-  std::set<std::string> keys_of(const Config& config) {
+  std::set<std::string> keys_of(const ComparisonConfig& config) {
     std::set<std::string> keys;
     const auto plan = make_plan(config, environment_);
     EXPECT_TRUE(plan) << plan.error().text();
@@ -64,15 +64,16 @@ class PlanTest : public testing::Test {
 };
 
 TEST_F(PlanTest, ListsEveryJobOnceSceneByScene) {
-  Config two = config();
+  ComparisonConfig two = config();
   two.seeds = {1, 2};
   two.sensors.push_back(two.sensors[0]);
   two.sensors[1].name = "dim";
   two.sensors[1].gain = 0.5F;
   const auto plan = make_plan(two, environment_);
   ASSERT_TRUE(plan) << plan.error().text();
-  EXPECT_THAT(plan->scenes, ElementsAre(testing::Field(&Scene::name, "a"), testing::Field(&Scene::name, "b"),
-                                        testing::Field(&Scene::name, "c")));
+  EXPECT_THAT(plan->scenes,
+              ElementsAre(testing::Field(&ComparedScene::name, "a"), testing::Field(&ComparedScene::name, "b"),
+                          testing::Field(&ComparedScene::name, "c")));
   ASSERT_EQ(plan->jobs.size(), 3U * 2U * 2U);
   EXPECT_EQ(keys_of(two).size(), plan->jobs.size());
   EXPECT_EQ(plan->jobs[3].scene, 0U);
@@ -81,7 +82,7 @@ TEST_F(PlanTest, ListsEveryJobOnceSceneByScene) {
 
 TEST_F(PlanTest, KeysDependOnContentAndNotOnNames) {
   const auto keys = keys_of(config());
-  Config renamed = config();
+  ComparisonConfig renamed = config();
   renamed.methods[0].name = "another name";
   renamed.scenes[0].name = "another group";
   renamed.sensors[0].name = "another sensor";
@@ -91,7 +92,7 @@ TEST_F(PlanTest, KeysDependOnContentAndNotOnNames) {
 }
 
 TEST_F(PlanTest, EverySettingThatMattersChangesTheKeys) {
-  std::vector<Config> changed(11, config());
+  std::vector<ComparisonConfig> changed(11, config());
   changed[0].methods[0].gain = 2;
   changed[1].methods[0].fit_gain = true;
   changed[2].sensors[0].tau = 0.2F;
@@ -104,7 +105,7 @@ TEST_F(PlanTest, EverySettingThatMattersChangesTheKeys) {
   changed[9].sensors[0].fit_gain = true;
   changed[10].sensors[0].sigma_i = 0.01F;
   std::set<std::string> all = keys_of(config());
-  for (const Config& each : changed) {
+  for (const ComparisonConfig& each : changed) {
     const size_t before = all.size();
     all.merge(keys_of(each));
     EXPECT_EQ(all.size(), before + 3) << "setting " << &each - changed.data();
@@ -117,7 +118,7 @@ TEST_F(PlanTest, EverySettingThatMattersChangesTheKeys) {
 
 TEST_F(PlanTest, AMethodMoreKeepsTheKeysOfTheOthers) {
   const auto keys = keys_of(config());
-  Config more = config();
+  ComparisonConfig more = config();
   more.methods.insert(more.methods.begin(), more.methods[0]);
   more.methods[0].name = "fitted";
   more.methods[0].fit_gain = true;
@@ -127,7 +128,7 @@ TEST_F(PlanTest, AMethodMoreKeepsTheKeysOfTheOthers) {
 }
 
 TEST_F(PlanTest, OthersStandInForAGroupThatIsNotThere) {
-  Config missing = config();
+  ComparisonConfig missing = config();
   missing.scenes.push_back(missing.scenes[0]);
   missing.scenes[1].name = "standing in";
   missing.scenes[1].scenes = {"none/*"};
@@ -145,7 +146,7 @@ TEST_F(PlanTest, OthersStandInForAGroupThatIsNotThere) {
 }
 
 TEST_F(PlanTest, WhatIsNotOptionalMustBeThere) {
-  Config missing = config();
+  ComparisonConfig missing = config();
   missing.scenes[0].scenes = {"set/a", "set/none"};
   EXPECT_EQ(make_plan(missing, environment_).error().location, "set/none");
   missing = config();
@@ -165,7 +166,7 @@ TEST_F(PlanTest, AScanDependsOnTheThresholdAndNoOtherConstant) {
   const fs::path checkpoint = folder_ / "checkpoint.safetensors";
   ASSERT_TRUE(write_safetensors(checkpoint, video::firenet_checkpoint(true)));
   ASSERT_TRUE(video::write_video_model(folder_ / "frames.safetensors", *video::import_event_video(checkpoint)));
-  Config scan = config();
+  ComparisonConfig scan = config();
   scan.methods[0] = {.name = "scan", .algorithm = "event-video", .model = "frames.safetensors"};
   scan.sensors.resize(3);
   scan.sensors[1].sigma_w = 0.0F;

@@ -130,7 +130,7 @@ Table result_table(const Plan& plan, const Results& results) {
   for (size_t i = 0; i < plan.jobs.size(); ++i) {
     if (!results[i]) continue;
     const Job& job = plan.jobs[i];
-    const Scene& scene = plan.scenes[job.scene];
+    const ComparedScene& scene = plan.scenes[job.scene];
     std::vector<Cell> row = {report::text_cell(plan.methods[job.method].config.name),
                              {std::to_string(num_patterns(plan, job.method)), num_patterns(plan, job.method)},
                              report::text_cell(plan.sensors[job.sensor].config.name),

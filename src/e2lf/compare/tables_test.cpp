@@ -33,7 +33,7 @@ Plan small_plan() {
   for (ComparedMethod& method : plan.methods) method.codes = capture::default_codes();
   plan.groups = {"A", "B"};
   for (const char* name : {"a1", "a2", "b1"}) {
-    Scene scene;
+    ComparedScene scene;
     scene.name = name;
     scene.group.name = name[0] == 'a' ? "A" : "B";
     plan.scenes.push_back(scene);

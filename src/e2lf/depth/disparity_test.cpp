@@ -16,11 +16,11 @@ namespace {
 
 using lightfield::Image;
 using lightfield::LightField;
-using lightfield::Scene;
+using lightfield::ProceduralScene;
 using lightfield::Shape;
 
 /// The disparities that view (4, 4) of 8x8 sees.
-Image truth_of(const Scene& scene, const Shape& shape) {
+Image truth_of(const ProceduralScene& scene, const Shape& shape) {
   return lightfield::render_disparity(scene, {shape.height, shape.width, 0.5F, 0.5F});
 }
 
@@ -37,8 +37,8 @@ double bad_pixels(const Image& disparity, const Image& truth, float most_px, siz
 }
 
 /// A wall that turns away to the right, and a square that stands before it.
-Scene slanted_wall_and_square() {
-  Scene scene = lightfield::textured_plane_scene(0);
+ProceduralScene slanted_wall_and_square() {
+  ProceduralScene scene = lightfield::textured_plane_scene(0);
   scene.quads = {{{-3, -3, 0.8F}, {6, 0, 0.8F}, {0, 6, 0}, noise_material(1)}};
   const float z = lightfield::depth_at_disparity(scene.camera, -1.6F);
   scene.quads.push_back({{-0.1F, -0.1F, z}, {0.2F, 0, 0}, {0, 0.2F, 0}, noise_material(2)});
@@ -48,7 +48,7 @@ Scene slanted_wall_and_square() {
 TEST(Disparity, OfAPlaneIsExactToTwoHundredths) {
   for (float disparity : {-2.3F, -0.5F, 0.0F, 0.13F, 1.7F}) {
     const Shape shape{8, 8, 64, 80, 1};
-    const Scene scene = lightfield::textured_plane_scene(disparity);
+    const ProceduralScene scene = lightfield::textured_plane_scene(disparity);
     const auto map = estimate_disparity(lightfield::render_light_field(scene, shape));
     ASSERT_TRUE(map.ok());
     EXPECT_EQ(map->view, (ViewIndex{4, 4}));
@@ -60,7 +60,7 @@ TEST(Disparity, OfAPlaneIsExactToTwoHundredths) {
 
 TEST(Disparity, OfASlantedPlaneBehindASquareHasSharpEdges) {
   const Shape shape{8, 8, 128, 160, 1};
-  const Scene scene = slanted_wall_and_square();
+  const ProceduralScene scene = slanted_wall_and_square();
   const LightField light_field = lightfield::render_light_field(scene, shape);
   const auto map = estimate_disparity(light_field);
   ASSERT_TRUE(map.ok());
@@ -73,7 +73,7 @@ TEST(Disparity, OfASlantedPlaneBehindASquareHasSharpEdges) {
 
 TEST(Disparity, FillsWhatHasNoTextureFromItsSurroundings) {
   const Shape shape{8, 8, 64, 80, 1};
-  const Scene scene = lightfield::textured_plane_scene(0.8F);
+  const ProceduralScene scene = lightfield::textured_plane_scene(0.8F);
   LightField light_field = lightfield::render_light_field(scene, shape);
   // A grey patch that moves as the plane does: 20x20 px of nothing.
   for (size_t view_y = 0; view_y < 8; ++view_y) {
@@ -98,7 +98,7 @@ TEST(Disparity, FillsWhatHasNoTextureFromItsSurroundings) {
 
 TEST(Disparity, OfTheDemoSceneIsGoodAndItsConfidenceTellsWhere) {
   const Shape shape{8, 8, 144, 192, 1};
-  const Scene scene = lightfield::demo_scene(3);
+  const ProceduralScene scene = lightfield::demo_scene(3);
   const auto map = estimate_disparity(lightfield::render_light_field(scene, shape));
   ASSERT_TRUE(map.ok());
   const Image truth = truth_of(scene, shape);
@@ -134,7 +134,7 @@ TEST(Disparity, FindsItsRangeWhereItIsSure) {
 }
 
 TEST(Disparity, WorksOnARowOfViewsAndInColour) {
-  const Scene scene = lightfield::textured_plane_scene(1.2F);
+  const ProceduralScene scene = lightfield::textured_plane_scene(1.2F);
   const Shape row{1, 7, 40, 64, 1};
   const LightField grey = lightfield::render_light_field(scene, row);
   LightField colour({1, 7, 40, 64, 3});

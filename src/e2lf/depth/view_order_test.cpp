@@ -12,7 +12,7 @@ namespace e2lf::depth {
 namespace {
 
 using lightfield::LightField;
-using lightfield::Scene;
+using lightfield::ProceduralScene;
 using Verdict = OcclusionSign::Verdict;
 
 OcclusionSign sign_of(const LightField& light_field) {
@@ -21,7 +21,7 @@ OcclusionSign sign_of(const LightField& light_field) {
 
 /// A square of disparity -1.6 before a wall of 0.8: both have texture.
 LightField square_before_wall() {
-  Scene scene = lightfield::textured_plane_scene(0.8F);
+  ProceduralScene scene = lightfield::textured_plane_scene(0.8F);
   const float z = lightfield::depth_at_disparity(scene.camera, -1.6F);
   scene.quads.push_back({{-0.12F, -0.12F, z}, {0.24F, 0, 0}, {0, 0.24F, 0}, noise_material(2)});
   return lightfield::render_light_field(scene, {8, 8, 128, 160, 1});

@@ -71,7 +71,7 @@ TEST_F(TorchDevice, ComputesEveryBundledNetworkAsTheEngineDoes) {
     }
     // Evidence is a quotient of small sums, and views follow a geometry by a steep function of their detail.
     const bool has_geometry = std::ranges::any_of(
-        model.network.layers, [](const model::Layer& layer) { return layer.op == geometry::Op::kPlaneSweep; });
+        model.network.layers, [](const model::Layer& layer) { return layer.op == geometry::GeometryOp::kPlaneSweep; });
     EXPECT_LT(difference, (has_geometry ? 1e-3F : 1e-5F) * largest) << name;
     RecordProperty(name, std::to_string(difference / largest));
   }

@@ -95,7 +95,7 @@ size_t PlanBuilder::add_part(const std::string& stage, std::unique_ptr<Kernel> k
 }
 
 Plan PlanBuilder::finish(std::optional<ConvSpec> head) {
-  for (State& state : plan_.states) {
+  for (RecurrentState& state : plan_.states) {
     if (state.kept == kOutput) state.kept = plan_.tensors.size() - 1;
   }
   plan_.head = std::move(head);

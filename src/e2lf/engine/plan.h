@@ -32,7 +32,7 @@ struct Stage {
 };
 
 /// A state carried from frame to frame: tensor `recalled` is tensor `kept` of the previous frame, initially zero.
-struct State {
+struct RecurrentState {
   size_t recalled = 0, kept = 0;
 };
 
@@ -40,8 +40,8 @@ struct State {
 struct Plan {
   std::vector<TensorSpec> tensors;
   std::vector<Stage> stages;
-  std::vector<State> states;      ///< if empty, frames are independent
-  bool needs_whole_rows = false;  ///< images must not be cut into panels
+  std::vector<RecurrentState> states;  ///< if empty, frames are independent
+  bool needs_whole_rows = false;       ///< images must not be cut into panels
   size_t alignment = 1;  ///< cuts of an image must be multiples of this many pixels so that the same tiles are computed
   size_t halo = 0;       ///< pixels beside a cut on which results depend, a multiple of `alignment`
   std::optional<ConvSpec> head;  ///< the last stage, if it is a single convolution without a residual

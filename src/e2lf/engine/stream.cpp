@@ -169,7 +169,7 @@ const std::vector<size_t>& Stream::rows_for(size_t output_rows) {
   rows.resize(tensors_.size(), 0);
   rows.back() = output_rows;
   // The next frame may need rows of a state on which the output of this frame does not depend.
-  for (const State& state : plan_.states) {
+  for (const RecurrentState& state : plan_.states) {
     if (output_rows >= image_.height) rows[state.kept] = tensors_[state.kept].height;
   }
   for (size_t i = tensors_.size(); i-- > 0;) {

@@ -48,7 +48,7 @@ class Sha256 {
     add(state_, bytes.data(), bytes.size() / sha256::kBlockBytes);
   }
 
-  sha256::State state_ = sha256::kInitial;
+  sha256::HashState state_ = sha256::kInitial;
   std::vector<uint8_t> rest_;  ///< less than a block
   uint64_t bytes_ = 0;
 };

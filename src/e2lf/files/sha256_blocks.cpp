@@ -26,7 +26,7 @@ uint32_t big_endian(const uint8_t* bytes) {
   return uint32_t{bytes[0]} << 24 | uint32_t{bytes[1]} << 16 | uint32_t{bytes[2]} << 8 | uint32_t{bytes[3]};
 }
 
-void add_block(State& state, const uint8_t* block) {
+void add_block(HashState& state, const uint8_t* block) {
   std::array<uint32_t, 64> word;
   for (size_t t = 0; t < 16; ++t) word[t] = big_endian(block + 4 * t);
   for (size_t t = 16; t < 64; ++t) {
@@ -41,13 +41,13 @@ void add_block(State& state, const uint8_t* block) {
     const uint32_t second = (std::rotr(a, 2) ^ std::rotr(a, 13) ^ std::rotr(a, 22)) + ((a & b) ^ (a & c) ^ (b & c));
     h = g, g = f, f = e, e = d + first, d = c, c = b, b = a, a = first + second;
   }
-  const State added = {a, b, c, d, e, f, g, h};
+  const HashState added = {a, b, c, d, e, f, g, h};
   for (size_t i = 0; i < state.size(); ++i) state[i] += added[i];
 }
 
 }  // namespace
 
-void add_blocks_scalar(State& state, const uint8_t* data, size_t blocks) {
+void add_blocks_scalar(HashState& state, const uint8_t* data, size_t blocks) {
   for (size_t i = 0; i < blocks; ++i) add_block(state, data + i * kBlockBytes);
 }
 
@@ -59,7 +59,7 @@ bool has_sha_instructions() {
   return __builtin_cpu_supports("sse4.1") && __get_cpuid_count(7, 0, &eax, &ebx, &ecx, &edx) != 0 && (ebx & kSha) != 0;
 }
 
-__attribute__((target("sha,sse4.1"))) void add_blocks_with_sha_instructions(State& state, const uint8_t* data,
+__attribute__((target("sha,sse4.1"))) void add_blocks_with_sha_instructions(HashState& state, const uint8_t* data,
                                                                             size_t blocks) {
   const __m128i swap_bytes = _mm_set_epi64x(0x0c0d0e0f08090a0b, 0x0405060700010203);
   auto* const words = reinterpret_cast<__m128i*>(state.data());
@@ -98,7 +98,7 @@ bool has_sha_instructions() {
   return false;
 }
 
-void add_blocks_with_sha_instructions(State& state, const uint8_t* data, size_t blocks) {
+void add_blocks_with_sha_instructions(HashState& state, const uint8_t* data, size_t blocks) {
   add_blocks_scalar(state, data, blocks);
 }
 

@@ -33,7 +33,7 @@ TEST(Sha256, IsTheSameWithTheInstructionsOfTheProcessor) {
   if (!sha256::has_sha_instructions()) GTEST_SKIP() << "this processor has none";
   std::vector<uint8_t> bytes(5 * sha256::kBlockBytes);
   for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<uint8_t>(i * i + 3 * i);
-  sha256::State scalar = sha256::kInitial, fast = sha256::kInitial;
+  sha256::HashState scalar = sha256::kInitial, fast = sha256::kInitial;
   sha256::add_blocks_scalar(scalar, bytes.data(), 5);
   sha256::add_blocks_with_sha_instructions(fast, bytes.data(), 5);
   EXPECT_EQ(scalar, fast);

@@ -162,7 +162,7 @@ TEST(CentralPicture, IsRenderedFromViewFourFour) {
   const auto adapted = for_patterns(small_picture_network(), three_boxes());
   ASSERT_TRUE(adapted) << adapted.error().text();
   const model::Layer& surface = adapted->network.layers.back();
-  EXPECT_EQ(surface.op, Op::kRenderLayers);
+  EXPECT_EQ(surface.op, GeometryOp::kRenderLayers);
   for (const char* axis : {"rows", "columns"}) {
     const std::vector<double>& places = surface.attributes.at(axis);
     ASSERT_EQ(places.size(), 8U);

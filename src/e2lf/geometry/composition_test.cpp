@@ -43,7 +43,7 @@ Model equal_views() {
 Model known_disparity(float constant, float slope = 0.0F) {
   Model model = model_of_two_patterns("disparity", {{InputKind::kCounts, 1.0F}, {InputKind::kLevel, 1.0F}});
   model.network.layers = {{.name = "head", .inputs = {"input"}, .out_channels = 8, .kernel = 2, .stride = 2},
-                          {.name = "output", .op = Op::kPixelShuffle, .inputs = {"head"}, .stride = 2}};
+                          {.name = "output", .op = GeometryOp::kPixelShuffle, .inputs = {"head"}, .stride = 2}};
   std::vector<float>& weight = model.weights["head.weight"];
   weight.assign(size_t{8} * 2 * 4, 0.0F);
   for (size_t pixel = 0; pixel < 4; ++pixel) weight[(pixel * 2 + 1) * 4 + pixel] = slope;

@@ -6,7 +6,7 @@
 namespace e2lf::geometry {
 
 /// The names of the operations that networks with an explicit geometry have beside those of model::Op.
-struct Op : model::Op {
+struct GeometryOp : model::Op {
   /// Compares P pictures of G features at each of K disparities. The input has channel p G + g. Picture p lies at
   /// `offsets` [2 p] (row) and [2 p + 1] (column), in view steps. For each disparity d of `disparities`, it is read at
   /// its offset times d, linearly and with zeros outside. For the sums t of the pictures of a feature and q of their

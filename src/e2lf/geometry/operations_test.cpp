@@ -17,20 +17,20 @@ using engine::conv, engine::largest_difference, engine::reshape, engine::run_eng
 using model::Layer, model::Network;
 
 Layer sweep_layer(const std::string& input) {
-  Layer layer = reshape("sweep", Op::kPlaneSweep, {input});
+  Layer layer = reshape("sweep", GeometryOp::kPlaneSweep, {input});
   layer.kernel = 3;
   layer.attributes = {{"offsets", {-1.5, 0.75, 0.5, -2}}, {"disparities", {-1.2, 0, 0.7}}};
   return layer;
 }
 
 Layer render_layer(const std::string& input) {
-  Layer layer = reshape("views", Op::kRenderLayers, {input});
+  Layer layer = reshape("views", GeometryOp::kRenderLayers, {input});
   layer.attributes = {{"disparities", {-1.2, 0.1, 0.7}}, {"rows", {-1.5, 0.5}}, {"columns", {-3.5, 0, 2}}};
   return layer;
 }
 
 Layer warp_layer(const std::string& pictures, const std::string& disparity) {
-  Layer layer = reshape("moved", Op::kWarp, {pictures, disparity});
+  Layer layer = reshape("moved", GeometryOp::kWarp, {pictures, disparity});
   layer.attributes = {{"offsets", {-1.5, 0.75, 0.5, -2}}, {"disparities", {-1.2, 0.7}}};
   return layer;
 }

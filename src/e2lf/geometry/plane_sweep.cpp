@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Comparison of pictures at each of a list of disparities; see Op::kPlaneSweep.
+// Comparison of pictures at each of a list of disparities; see GeometryOp::kPlaneSweep.
 #include <span>
 
 #include "e2lf/base/result.h"
@@ -238,7 +238,7 @@ std::string export_sweep(model::OnnxCall& call) {
 }  // namespace
 
 engine::Operation plane_sweep() {
-  return {.model = {.name = Op::kPlaneSweep,
+  return {.model = {.name = GeometryOp::kPlaneSweep,
                     .attributes = {"offsets", "disparities"},
                     .shape = sweep_shape,
                     // Two shifts, a sum and a square of each channel, and the sums over windows.

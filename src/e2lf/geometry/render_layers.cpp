@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Views of planes with opacities; see Op::kRenderLayers.
+// Views of planes with opacities; see GeometryOp::kRenderLayers.
 #include <numeric>
 #include <span>
 
@@ -225,7 +225,7 @@ std::string export_render(model::OnnxCall& call) {
 
 engine::Operation render_layers() {
   return {
-      .model = {.name = Op::kRenderLayers,
+      .model = {.name = GeometryOp::kRenderLayers,
                 .attributes = {"disparities", "rows", "columns"},
                 .shape = render_shape,
                 // Both maps of each plane are moved with four taps, down for each row and across for each view.

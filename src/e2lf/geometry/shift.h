@@ -81,7 +81,7 @@ inline Result<void> check_shifts(const std::vector<double>& positions, const std
   return {};
 }
 
-/// The shifts of a layer of Op::kPlaneSweep.
+/// The shifts of a layer of GeometryOp::kPlaneSweep.
 struct Sweep {
   size_t pictures, features, disparities, kernel;
   std::vector<LinearShift> down, across;  ///< [disparity, picture]
@@ -104,7 +104,7 @@ struct Sweep {
   [[nodiscard]] size_t channels() const { return pictures * features; }
 };
 
-/// Where a layer of Op::kWarp reads its pictures.
+/// Where a layer of GeometryOp::kWarp reads its pictures.
 struct Warp {
   std::vector<double> offsets;  ///< [picture, axis], in view steps
   float least, most;            ///< disparities, px per view step
@@ -122,7 +122,7 @@ struct Warp {
   [[nodiscard]] size_t pictures() const { return offsets.size() / 2; }
 };
 
-/// The shifts of a layer of Op::kRenderLayers.
+/// The shifts of a layer of GeometryOp::kRenderLayers.
 struct Viewpoints {
   size_t planes, rows, columns;
   std::vector<CubicShift> down, across;  ///< [row, plane] and [column, plane]

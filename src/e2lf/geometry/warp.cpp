@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Pictures moved to the reference view by a disparity of each pixel; see Op::kWarp.
+// Pictures moved to the reference view by a disparity of each pixel; see GeometryOp::kWarp.
 #include <cmath>
 #include <utility>
 
@@ -176,7 +176,7 @@ std::string export_warp(model::OnnxCall& call) {
 
 engine::Operation warp() {
   return {
-      .model = {.name = Op::kWarp,
+      .model = {.name = GeometryOp::kWarp,
                 .min_inputs = 2,
                 .max_inputs = 2,
                 .attributes = {"offsets", "disparities"},

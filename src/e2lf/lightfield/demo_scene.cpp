@@ -57,7 +57,7 @@ Material grainy(Material material) {
   return material;
 }
 
-void add_room(Scene& scene, Table& table) {
+void add_room(ProceduralScene& scene, Table& table) {
   scene.quads.push_back({{-1.5F, -1.2F, kWall},
                          {3, 0, 0},
                          {0, 2.4F, 0},
@@ -70,7 +70,7 @@ void add_room(Scene& scene, Table& table) {
 }
 
 /// Rotates the upright objects and shifts the balls on the table a little.
-void rearrange(Scene& scene, uint64_t seed) {
+void rearrange(ProceduralScene& scene, uint64_t seed) {
   constexpr float kTurn = 0.25F, kRoll = 0.04F;
   const CounterRng rng(seed, 2);
   uint64_t draws = 0;
@@ -81,7 +81,7 @@ void rearrange(Scene& scene, uint64_t seed) {
   }
 }
 
-void add_blocks(Scene& scene, Table& table) {
+void add_blocks(ProceduralScene& scene, Table& table) {
   using enum TextureKind;
   scene.blocks = {
       table.block(0.31F, 1.28F, {0.085F, 0.17F, 0.06F}, 0.5F, grainy(table.material(kNoise, 0.03F, 1.0F, 0.035F))),
@@ -93,7 +93,7 @@ void add_blocks(Scene& scene, Table& table) {
   };
 }
 
-void add_spheres(Scene& scene, Table& table) {
+void add_spheres(ProceduralScene& scene, Table& table) {
   using enum TextureKind;
   scene.spheres = {
       table.ball(-0.2F, 1.04F, 0.095F, shiny(table.material(kStripes, 0.06F, 0.9F, 0.045F))),
@@ -105,8 +105,8 @@ void add_spheres(Scene& scene, Table& table) {
 
 }  // namespace
 
-Scene demo_scene(uint64_t seed) {
-  Scene scene;
+ProceduralScene demo_scene(uint64_t seed) {
+  ProceduralScene scene;
   scene.camera.disparity_at_infinity_px = 4.6F;
   scene.camera.centre_y = 0.1F;
   scene.light.direction = {-0.55F, -0.75F, -0.75F};
@@ -125,10 +125,10 @@ Scene demo_scene(uint64_t seed) {
   return scene;
 }
 
-Scene turntable_scene(float turn, uint64_t seed) {
+ProceduralScene turntable_scene(float turn, uint64_t seed) {
   using enum TextureKind;
   constexpr float kTop = 0.26F, kHalfSide = 0.27F, kMiddleZ = 0.95F;  // of the table
-  Scene scene;
+  ProceduralScene scene;
   scene.camera.disparity_at_infinity_px = 4.6F;
   scene.camera.centre_y = 0.1F;
   scene.light.direction = {-0.55F, -0.75F, -0.75F};

@@ -42,7 +42,7 @@ LightField noise_light_field(const Shape& shape) {
 
 TEST(Refocus, AtThePlanesDisparityIsTheMiddleView) {
   for (float disparity : {-1.5F, 0.0F, 0.7F, 2.0F}) {
-    const Scene scene = textured_plane_scene(disparity);
+    const ProceduralScene scene = textured_plane_scene(disparity);
     const LightField light_field = render_light_field(scene, {8, 8, 48, 64, 1});
     const Image middle = render_view(scene, {48, 64, 0, 0});
     const Image sharp = refocus(light_field, disparity, full_aperture(light_field.shape()));

@@ -64,7 +64,7 @@ Vec3 turned(const Vec3& a, float cosine, float sine) {
 class SceneRays {
  public:
   /// The scene must outlive this object.
-  explicit SceneRays(const Scene& scene) : scene_(&scene) {
+  explicit SceneRays(const ProceduralScene& scene) : scene_(&scene) {
     for (const Quad& quad : scene.quads) {
       const Vec3 area = cross(quad.edge_u, quad.edge_v);
       const float scale = 1 / dot(area, area);
@@ -201,7 +201,7 @@ class SceneRays {
     nearest = {enter, turned(normal, frame.cosine, -frame.sine), u, v, &block.material};
   }
 
-  const Scene* scene_;
+  const ProceduralScene* scene_;
   std::vector<QuadFrame> quad_frames_;
   std::vector<BlockFrame> block_frames_;
 };
@@ -237,7 +237,7 @@ std::vector<Sample> make_samples(size_t count) {
 /// Renders pictures of one scene from one pinhole.
 class ViewRenderer {
  public:
-  ViewRenderer(const Scene& scene, const ViewRequest& request)
+  ViewRenderer(const ProceduralScene& scene, const ViewRequest& request)
       : scene_(scene), rays_(scene), samples_(make_samples(request.samples_per_pixel)) {
     E2LF_REQUIRE(request.height > 0 && request.width > 0, "a picture needs pixels");
     E2LF_REQUIRE(request.samples_per_pixel > 0 && request.samples_per_pixel % 2 == 0, "samples come in pairs");
@@ -332,7 +332,7 @@ class ViewRenderer {
     return value;
   }
 
-  const Scene& scene_;
+  const ProceduralScene& scene_;
   SceneRays rays_;
   std::vector<Sample> samples_;
   float pixel_ = 0;  ///< width of a pixel at the focus depth
@@ -341,7 +341,7 @@ class ViewRenderer {
 };
 
 /// Renders a picture in short runs of pixels, each of which meets only a few surfaces of the scene.
-Image render_in_runs(const Scene& scene, const ViewRequest& request,
+Image render_in_runs(const ProceduralScene& scene, const ViewRequest& request,
                      void (ViewRenderer::*render)(size_t y, size_t begin_x, size_t end_x, float* out) const) {
   constexpr size_t kRun = 16;
   const ViewRenderer renderer(scene, request);
@@ -362,15 +362,15 @@ float disparity_at_depth(const SceneCamera& camera, float z) {
   return camera.disparity_at_infinity_px * (1 - camera.focus_depth / z);
 }
 
-Image render_view(const Scene& scene, const ViewRequest& request) {
+Image render_view(const ProceduralScene& scene, const ViewRequest& request) {
   return render_in_runs(scene, request, &ViewRenderer::render_grey);
 }
 
-Image render_disparity(const Scene& scene, const ViewRequest& request) {
+Image render_disparity(const ProceduralScene& scene, const ViewRequest& request) {
   return render_in_runs(scene, request, &ViewRenderer::render_disparity);
 }
 
-LightField render_light_field(const Scene& scene, const Shape& shape, size_t samples_per_pixel) {
+LightField render_light_field(const ProceduralScene& scene, const Shape& shape, size_t samples_per_pixel) {
   E2LF_REQUIRE(shape.channels == 1, "scenes are grey");
   LightField light_field(shape);
   for (size_t view_y = 0; view_y < shape.views_y; ++view_y) {

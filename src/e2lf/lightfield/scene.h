@@ -74,7 +74,7 @@ struct SceneCamera {
   float disparity_at_infinity_px = 4;  ///< fixes the distance of the pinholes, at any picture size
 };
 
-struct Scene {
+struct ProceduralScene {
   SceneCamera camera;
   Light light;
   std::vector<Quad> quads;
@@ -96,24 +96,25 @@ struct ViewRequest {
 /// Renders the grey picture [y, x] with values in [0, 1]. Pixel (y, x) covers [y, y + 1) x [x, x + 1). The samples have
 /// the same pattern in every pixel of every view, so that a shift by whole pixels is exact. The result does not depend
 /// on the number of threads.
-[[nodiscard]] Image render_view(const Scene& scene, const ViewRequest& request);
+[[nodiscard]] Image render_view(const ProceduralScene& scene, const ViewRequest& request);
 
 /// Renders the disparity, in px per view step, of the surface at the centre of each pixel. It is
 /// disparity_at_infinity_px in the background.
-[[nodiscard]] Image render_disparity(const Scene& scene, const ViewRequest& request);
+[[nodiscard]] Image render_disparity(const ProceduralScene& scene, const ViewRequest& request);
 
 /// Renders all views of the grid in `shape` (one channel) as a light field in the convention of light_field.h.
-[[nodiscard]] LightField render_light_field(const Scene& scene, const Shape& shape, size_t samples_per_pixel = 4);
+[[nodiscard]] LightField render_light_field(const ProceduralScene& scene, const Shape& shape,
+                                            size_t samples_per_pixel = 4);
 
 /// Returns a still life for demonstrations and for tests without data: balls, boxes, books and a test chart on a table
 /// in front of a brick wall. Its disparities range from about -2 px (a rod in front) to 1.5 px (the wall), with fine
 /// texture everywhere and grey values over the whole range. It suits pictures with an aspect ratio of about 4:3. The
 /// seed slightly varies the textures and positions.
-[[nodiscard]] Scene demo_scene(uint64_t seed = 1);
+[[nodiscard]] ProceduralScene demo_scene(uint64_t seed = 1);
 
 /// Returns a still life on a square table in front of a wall. The table and everything on it are rotated by `turn`
 /// radians around its middle, so that the motion is known exactly. The balls move on circles and do not spin. The seed
 /// varies the textures.
-[[nodiscard]] Scene turntable_scene(float turn, uint64_t seed = 1);
+[[nodiscard]] ProceduralScene turntable_scene(float turn, uint64_t seed = 1);
 
 }  // namespace e2lf::lightfield

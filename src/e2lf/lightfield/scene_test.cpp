@@ -22,8 +22,8 @@ Material flat(float value) {
   return material;
 }
 
-Scene evenly_lit_scene() {
-  Scene scene;
+ProceduralScene evenly_lit_scene() {
+  ProceduralScene scene;
   scene.light = {.direction = {0, 0, -1}, .intensity = 0, .ambient = 1 / 0.75F, .softness = 0};
   return scene;
 }
@@ -70,7 +70,7 @@ TEST(Scene, FillsPlanesWithContrast) {
 }
 
 TEST(Scene, NearSurfacesHideFarOnes) {
-  Scene scene = evenly_lit_scene();
+  ProceduralScene scene = evenly_lit_scene();
   scene.quads = {facing_square(0, 0.8F, 0.1F, flat(0.9F)), facing_square(0, 1.5F, 3, flat(0.2F))};
   std::swap(scene.quads[0], scene.quads[1]);
   const ViewRequest request{48, 64};
@@ -83,7 +83,7 @@ TEST(Scene, NearSurfacesHideFarOnes) {
 }
 
 TEST(Scene, MovesAnEdgeByTheDisparityOfTheNearerSurface) {
-  Scene scene = evenly_lit_scene();
+  ProceduralScene scene = evenly_lit_scene();
   const float z = depth_at_disparity(scene.camera, -2);
   scene.quads = {facing_square(0.5F * z, z, 0.5F * z, flat(1)), facing_square(0, 1.5F, 3, flat(0))};
   // The near square covers the right half of the middle view: its edge is at x = 32.
@@ -96,7 +96,7 @@ TEST(Scene, MovesAnEdgeByTheDisparityOfTheNearerSurface) {
 }
 
 TEST(Scene, AntiAliasesEdges) {
-  Scene scene = evenly_lit_scene();
+  ProceduralScene scene = evenly_lit_scene();
   // A quarter of a pixel of the square lies in pixel 32 of a 64 px wide view.
   const float pixel = scene.camera.field_width / 64;
   scene.quads = {facing_square(-0.3F + 0.25F * pixel, 1, 0.3F, flat(1))};
@@ -104,7 +104,7 @@ TEST(Scene, AntiAliasesEdges) {
 }
 
 TEST(Scene, PutsSpheresAndBlocksWhereTheyAre) {
-  Scene scene = evenly_lit_scene();
+  ProceduralScene scene = evenly_lit_scene();
   scene.spheres = {{{-0.15F, 0, 1.1F}, 0.1F, flat(0.7F)}};
   scene.blocks = {{{0.15F, 0, 1.2F}, {0.05F, 0.05F, 0.1F}, 0, flat(0.4F)}};
   const Image disparity = render_disparity(scene, {65, 81});
@@ -121,7 +121,7 @@ TEST(Scene, PutsSpheresAndBlocksWhereTheyAre) {
 }
 
 TEST(Scene, TurnsBlocksByTheirYaw) {
-  Scene scene = evenly_lit_scene();
+  ProceduralScene scene = evenly_lit_scene();
   scene.blocks = {{{0, 0, 1.2F}, {0.1F, 0.1F, 0.1F}, 0.25F * 3.14159265F, flat(1)}};
   // Turned by 45 degrees an edge points at the camera.
   const float nearest = 1.2F - 0.1F * std::sqrt(2.0F);
@@ -130,7 +130,7 @@ TEST(Scene, TurnsBlocksByTheirYaw) {
 }
 
 TEST(Scene, CastsShadows) {
-  Scene scene;
+  ProceduralScene scene;
   scene.light = {.direction = {0, 0, -1}, .intensity = 1, .ambient = 0.4F, .softness = 0.001F};
   scene.quads = {facing_square(0, 1.5F, 3, flat(0.5F))};
   // Light from the camera's direction is blocked where the square stands between lamp and wall; seen from the side.
@@ -143,7 +143,7 @@ TEST(Scene, CastsShadows) {
 
 TEST(Scene, EveryTextureStaysWithinItsAlbedo) {
   for (TextureKind texture : kEveryTexture) {
-    Scene scene = evenly_lit_scene();
+    ProceduralScene scene = evenly_lit_scene();
     scene.camera.field_width = 0.2F;
     scene.quads = {facing_square(0, 1, 1, {texture, 0.3F, 0.6F, 0.1F})};
     const Image view = render_view(scene, {48, 64});
@@ -156,7 +156,7 @@ TEST(Scene, EveryTextureStaysWithinItsAlbedo) {
 
 TEST(DemoScene, HasTheDisparitiesAndBrightnessItPromises) {
   for (uint64_t seed : {0, 1, 7}) {
-    const Scene scene = demo_scene(seed);
+    const ProceduralScene scene = demo_scene(seed);
     Image disparity = render_disparity(scene, {96, 128}), view = render_view(scene, {96, 128});
     std::sort(disparity.pixels.begin(), disparity.pixels.end());
     std::sort(view.pixels.begin(), view.pixels.end());
@@ -170,7 +170,7 @@ TEST(DemoScene, HasTheDisparitiesAndBrightnessItPromises) {
 }
 
 TEST(DemoScene, GroundTruthDisparityExplainsTheNextView) {
-  const Scene scene = demo_scene(2);
+  const ProceduralScene scene = demo_scene(2);
   const Image here = render_view(scene, {96, 128}), next = render_view(scene, {96, 128, 0, 1});
   const Image disparity = render_disparity(scene, {96, 128});
   double with_truth = 0, without = 0;

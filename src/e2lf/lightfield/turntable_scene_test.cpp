@@ -10,7 +10,7 @@ namespace {
 
 TEST(TurntableScene, TurnsTheTableAndAllThatStandsOnItAlike) {
   constexpr float kTurn = 0.4F;
-  const Scene before = turntable_scene(0), after = turntable_scene(kTurn);
+  const ProceduralScene before = turntable_scene(0), after = turntable_scene(kTurn);
   const Quad &table = before.quads.back(), &turned = after.quads.back();
   EXPECT_NEAR(std::atan2(turned.edge_u.z, turned.edge_u.x) - std::atan2(table.edge_u.z, table.edge_u.x), kTurn, 1e-5);
   const Vec3 middle = {table.corner.x + 0.5F * (table.edge_u.x + table.edge_v.x), 0,

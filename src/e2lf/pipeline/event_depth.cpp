@@ -81,7 +81,7 @@ Result<EventDepth> depth_of_events(const OpenedMethod& method, const capture::Me
 
 std::optional<diagnose::Finding> range_finding(const model::Model& model, const depth::DisparityMap& map) {
   constexpr double kMuch = 0.02;
-  const auto sweep = std::ranges::find(model.network.layers, geometry::Op::kPlaneSweep, &model::Layer::op);
+  const auto sweep = std::ranges::find(model.network.layers, geometry::GeometryOp::kPlaneSweep, &model::Layer::op);
   if (sweep == model.network.layers.end()) return std::nullopt;
   const std::vector<double>& compared = sweep->attributes.at("disparities");
   if (compared.size() < 2) return std::nullopt;

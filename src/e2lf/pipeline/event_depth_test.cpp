@@ -61,7 +61,7 @@ TEST(DepthOfEvents, DisparitiesAtTheEndOfTheRangeAreFound) {
   map.disparity = lightfield::Image(4, 1, 1);
   map.disparity.pixels = {-3.3F, 0, 3.1F, 4};
   EXPECT_FALSE(range_finding(model, map));
-  model.network.layers.push_back({.name = "sweep", .op = geometry::Op::kPlaneSweep, .inputs = {}});
+  model.network.layers.push_back({.name = "sweep", .op = geometry::GeometryOp::kPlaneSweep, .inputs = {}});
   for (int i = -17; i <= 17; ++i) model.network.layers.back().attributes["disparities"].push_back(0.2 * i);
   const auto finding = range_finding(model, map);
   ASSERT_TRUE(finding);

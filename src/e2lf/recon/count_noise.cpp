@@ -95,7 +95,7 @@ CountNoise::CountNoise(const capture::SensorProfile& camera)
   above_reference_ = kAboveReference;
 }
 
-float CountNoise::truncated(float variance, float count, const State& state) const {
+float CountNoise::truncated(float variance, float count, const PixelLevel& state) const {
   const bool has_residue = !is_pixel_ && state.variance >= 0;
   const std::vector<float>& table = has_residue ? above_reference_ : at_reference_;
   const int v = std::min(static_cast<int>(variance * kPerVariance), kVariances - 1);
@@ -106,7 +106,7 @@ float CountNoise::truncated(float variance, float count, const State& state) con
   return table[static_cast<size_t>(v) * kCounts + static_cast<size_t>(place + 0.5F)] + beyond;
 }
 
-float CountNoise::next(float count, State& state) const {
+float CountNoise::next(float count, PixelLevel& state) const {
   const float level = state.level + count;
   const auto at = static_cast<size_t>(std::clamp(level * kLevelsPerEvent, 0.0F, float{kMostLevel * kLevelsPerEvent}));
   const float threshold = count < 0 ? threshold_off_ : threshold_on_;

@@ -15,7 +15,7 @@ class CountNoise {
   explicit CountNoise(const capture::SensorProfile& camera);
 
   /// Where the transitions before have led a pixel, at first to black.
-  struct State {
+  struct PixelLevel {
     float level = 0;       ///< above black, in events
     float variance = -1;   ///< of the log intensity there, in squared thresholds; negative at the beginning of a cycle
     bool is_below = true;  ///< the last count was positive, so that the reference is below the intensity
@@ -23,10 +23,10 @@ class CountNoise {
 
   /// Returns the variance of the count of the next transition, whose mean is `count`, in squared events, and proceeds
   /// to its end.
-  [[nodiscard]] float next(float count, State& state) const;
+  [[nodiscard]] float next(float count, PixelLevel& state) const;
 
  private:
-  [[nodiscard]] float truncated(float variance, float count, const State& state) const;
+  [[nodiscard]] float truncated(float variance, float count, const PixelLevel& state) const;
 
   bool is_pixel_;
   float threshold_on_, threshold_off_;  ///< natural logarithm

@@ -158,7 +158,7 @@ void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cel
   std::fill_n(of_cells_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
   std::fill_n(expected_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
   std::vector<int16_t> scratch;
-  std::vector<CountNoise::State> states(cells_x_);
+  std::vector<CountNoise::PixelLevel> states(cells_x_);
   std::vector<float> sums(cells_x_);
   std::vector<int> residual(padded), mean(padded);  // sums over rows, which are 0 beside the image
   for (size_t k = 0; k < fused_.counts.count; ++k) {

@@ -108,7 +108,7 @@ TEST(CountNoise, IsSmallWhereNoiseHardlyEverReachesAThreshold) {
   camera.constants.sigma_w = 0.5303F;  // the variance 4.5 / 16 lies in the middle of an element of the table
   camera.constants.sigma_z = 0;
   const CountNoise noise(camera);
-  CountNoise::State state;
+  CountNoise::PixelLevel state;
   const float still = noise.next(0, state);
   const double reaches = std::erfc(1 / 0.5303 / std::sqrt(2.0));  // P(|noise| > 1)
   EXPECT_NEAR(still / reaches, 1.45, 0.15);

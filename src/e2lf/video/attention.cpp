@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Attention between all pixels; see Op::kAttention. The keys are processed in blocks with a running softmax, so that a
-// thread needs memory for only a few queries and keys at any image size.
+// Attention between all pixels; see VideoOp::kAttention. The keys are processed in blocks with a running softmax, so
+// that a thread needs memory for only a few queries and keys at any image size.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -270,7 +270,7 @@ Result<LayerShape> attention_shape(const Layer& layer, std::span<const LayerShap
 }  // namespace
 
 engine::Operation attention() {
-  return {.model = {.name = Op::kAttention,
+  return {.model = {.name = VideoOp::kAttention,
                     .min_inputs = 3,
                     .max_inputs = 3,
                     .attributes = {"heads"},

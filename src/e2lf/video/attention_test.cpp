@@ -68,7 +68,7 @@ TEST_F(AttentionTest, OfScoresFarApartTheLargestWinsWhereverItStands) {
 }
 
 TEST_F(AttentionTest, ALayerNormGivesChannelsMeanZeroAndVarianceOne) {
-  const model::Network network{4, {reshape("out", Op::kLayerNorm, {"input"})}};
+  const model::Network network{4, {reshape("out", VideoOp::kLayerNorm, {"input"})}};
   const model::Weights weights{{"out.weight", {1, 1, 2, 1}}, {"out.bias", {0, 0, 0, 10}}};
   const std::vector<float> input = {1, 2, 3, 6};  // mean 3, variance 3.5
   const double unit = 1.0 / std::sqrt(3.5 + 1e-5);
@@ -82,7 +82,7 @@ TEST_F(AttentionTest, ALayerNormGivesChannelsMeanZeroAndVarianceOne) {
 }
 
 TEST_F(AttentionTest, APositionCodeCountsPixelsRowByRow) {
-  const model::Network network{4, {reshape("out", Op::kPositionCode, {"input"})}};
+  const model::Network network{4, {reshape("out", VideoOp::kPositionCode, {"input"})}};
   const size_t height = 120, width = 100, plane = height * width;
   const std::vector<float> input(4 * plane, 0.5F);
   for (const auto& output :

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Weighted sums of neighbouring pixels; see Op::kUpsampleBilinear and Op::kDynamicFilter.
+// Weighted sums of neighbouring pixels; see VideoOp::kUpsampleBilinear and VideoOp::kDynamicFilter.
 #include <algorithm>
 #include <limits>
 #include <string>
@@ -192,7 +192,7 @@ Result<LayerShape> filter_shape(const Layer& layer, std::span<const LayerShape> 
 }  // namespace
 
 engine::Operation bilinear_upsampling() {
-  return {.model = {.name = Op::kUpsampleBilinear,
+  return {.model = {.name = VideoOp::kUpsampleBilinear,
                     .takes_stride_and_relu = true,
                     .shape =
                         [](const Layer& layer, std::span<const LayerShape> inputs) {
@@ -210,7 +210,7 @@ engine::Operation bilinear_upsampling() {
 }
 
 engine::Operation dynamic_filter() {
-  return {.model = {.name = Op::kDynamicFilter,
+  return {.model = {.name = VideoOp::kDynamicFilter,
                     .min_inputs = 2,
                     .max_inputs = 2,
                     .shape = filter_shape,

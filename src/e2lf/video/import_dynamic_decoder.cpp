@@ -120,7 +120,7 @@ Result<std::string> add_attention(CheckpointImporter& importer, const std::strin
         importer.add(layer, {rows, rows + count * count}, {bias.begin() + first, bias.begin() + first + count}));
   }
   const std::string look = importer.add({.name = name + "_look",
-                                         .op = Op::kAttention,
+                                         .op = VideoOp::kAttention,
                                          .inputs = inputs,
                                          .attributes = {{"heads", {static_cast<double>(kHeads)}}}});
   return importer.linear({.name = name, .inputs = {look}, .residual = sum}, key + ".out_proj");
@@ -143,7 +143,7 @@ Result<std::string> add_self(CheckpointImporter& importer, const std::string& na
 }
 
 Result<std::string> add_encoder(CheckpointImporter& importer, size_t scale, const std::string& input) {
-  std::string x = importer.add({.name = cat("place", scale), .op = Op::kPositionCode, .inputs = {input}});
+  std::string x = importer.add({.name = cat("place", scale), .op = VideoOp::kPositionCode, .inputs = {input}});
   for (size_t i = 0; has_layer(importer, encoder_key(scale, i)); ++i) {
     const std::string name = cat("self", scale, "_", i), key = encoder_key(scale, i);
     E2LF_ASSIGN_OR_RETURN(x, add_self(importer, name, key, x));
@@ -201,23 +201,23 @@ Result<std::string> import_dynamic_decoder(CheckpointImporter& importer, const s
     return fail(ErrorCode::kShape, importer.location(key), "the network has ", bins,
                 " time bins, which is too many; give the published file");
   }
-  Layer last = layer(name + "_previous", Op::kPrevious, {});
+  Layer last = layer(name + "_previous", VideoOp::kPrevious, {});
   last.out_channels = 1;
   std::string x = importer.add(last);
-  x = importer.add(layer(name + "_context", Op::kConcat, {"input", x}));
+  x = importer.add(layer(name + "_context", VideoOp::kConcat, {"input", x}));
   x = add_quarter(importer, name + "_quarter", x, bins + 1);
-  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_fusion", Op::kConv, {x}), key + ".context_fusion.conv"));
+  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_fusion", VideoOp::kConv, {x}), key + ".context_fusion.conv"));
 
   const std::string atoms = key + ".dynamic_atom_generation", net = atoms + ".bases_net.";
-  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_hidden", Op::kConv, {x}), net + "0", net + "1"));
-  x = importer.add(layer(name + "_hidden_tanh", Op::kTanh, {x}));
-  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_weights", Op::kConv, {x}), net + "3", net + "4"));
-  x = importer.add(layer(name + "_coefficients", Op::kTanh, {x}));
+  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_hidden", VideoOp::kConv, {x}), net + "0", net + "1"));
+  x = importer.add(layer(name + "_hidden_tanh", VideoOp::kTanh, {x}));
+  E2LF_ASSIGN_OR_RETURN(x, importer.conv(layer(name + "_weights", VideoOp::kConv, {x}), net + "3", net + "4"));
+  x = importer.add(layer(name + "_coefficients", VideoOp::kTanh, {x}));
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> last_conv, importer.shape(net + "3.weight", 4));
   E2LF_ASSIGN_OR_RETURN(const Bases bases, read_bases(importer, atoms + ".bases", last_conv[0]));
   x = add_filters(importer, name + "_filters", x, bases);
 
-  Layer filtered = layer(name + "_filtered", Op::kDynamicFilter, {input, x});
+  Layer filtered = layer(name + "_filtered", VideoOp::kDynamicFilter, {input, x});
   filtered.kernel = bases.kernel;
   x = importer.add(filtered);
   return add_mix(importer, name, key + ".dynamic_conv", x, bases.filters);
@@ -239,7 +239,7 @@ Result<std::string> import_transformers(CheckpointImporter& importer, const std:
     E2LF_ASSIGN_OR_RETURN(x, add_encoder(importer, scale, x));
     encoded.push_back(x);
   }
-  Layer mean{.name = "mean", .op = Op::kMean, .inputs = encoded};
+  Layer mean{.name = "mean", .op = VideoOp::kMean, .inputs = encoded};
   for (size_t scale = 0; scale < encoded.size(); ++scale) {
     const std::string& memory = encoded[scale == 0 ? 0 : scale - 1];
     E2LF_ASSIGN_OR_RETURN(std::string x, add_decoder(importer, scale, encoded[scale], memory));

@@ -57,14 +57,14 @@ Result<std::string> CheckpointImporter::layer_norm(const std::string& name, cons
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> extents, shape(key + ".weight", 1));
   E2LF_ASSIGN_OR_RETURN(std::vector<float> weight, values(key + ".weight", extents[0]));
   E2LF_ASSIGN_OR_RETURN(std::vector<float> bias, values(key + ".bias", extents[0]));
-  return add({.name = name, .op = Op::kLayerNorm, .inputs = {input}}, std::move(weight), std::move(bias));
+  return add({.name = name, .op = VideoOp::kLayerNorm, .inputs = {input}}, std::move(weight), std::move(bias));
 }
 
 Result<std::string> CheckpointImporter::cell(const std::string& name, const std::string& key,
                                              const std::string& input) {
   const bool is_lstm = has(key + ".Gates.weight");
   E2LF_ASSIGN_OR_RETURN(const Tensor* tensor, find(key + (is_lstm ? ".Gates.weight" : ".out_gate.weight")));
-  Layer layer{.name = name, .op = is_lstm ? Op::kConvLstm : Op::kConvGru, .inputs = {input}};
+  Layer layer{.name = name, .op = is_lstm ? VideoOp::kConvLstm : VideoOp::kConvGru, .inputs = {input}};
   if (tensor->shape.size() == 4) {
     layer.out_channels = tensor->shape[0] / (is_lstm ? 4 : 1);
     layer.kernel = tensor->shape[2];
@@ -228,7 +228,7 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
   const auto sum = [&](const std::string& name) {
     const std::string skip = skips.back();
     skips.pop_back();
-    return importer.add({.name = name, .op = Op::kAdd, .inputs = {x, skip}});
+    return importer.add({.name = name, .op = VideoOp::kAdd, .inputs = {x, skip}});
   };
   for (size_t i = 0; skips.size() > 1; ++i) {
     const std::string key = cat(decoder, i);
@@ -238,7 +238,7 @@ Result<void> import_unet(CheckpointImporter& importer, const std::string& encode
           "its decoders are transposed convolutions, which are not supported; give a network that resizes first");
     }
     x = sum(cat("join", i));
-    x = importer.add({.name = cat("double", i), .op = Op::kUpsampleBilinear, .inputs = {x}, .stride = 2});
+    x = importer.add({.name = cat("double", i), .op = VideoOp::kUpsampleBilinear, .inputs = {x}, .stride = 2});
     if (is_dynamic_decoder(importer, key)) {
       E2LF_ASSIGN_OR_RETURN(x, import_dynamic_decoder(importer, cat("decoder", i), key, x));
       continue;
@@ -322,7 +322,7 @@ Result<VideoModel> import_event_video(const std::filesystem::path& path, const s
     E2LF_RETURN_IF_ERROR(import_firenet(importer, {"head.conv2d", "G1", "R1", "G2", "R2"}));
   }
   if (conventions.ends_in_sigmoid) {
-    importer.add({.name = "sigmoid", .op = Op::kSigmoid, .inputs = {"picture"}});
+    importer.add({.name = "sigmoid", .op = VideoOp::kSigmoid, .inputs = {"picture"}});
   }
   VideoModel model;
   E2LF_RETURN_IF_ERROR(importer.finish(model));

@@ -6,7 +6,7 @@
 namespace e2lf::video {
 
 /// The names of the operations that networks for frames have beside those of model::Op.
-struct Op : model::Op {
+struct VideoOp : model::Op {
   static constexpr const char* kTanh = "tanh";
   /// Bilinear by `stride`: output pixel i lies at (i + 1/2) / stride - 1/2; edge pixels are repeated.
   static constexpr const char* kUpsampleBilinear = "upsample-bilinear";

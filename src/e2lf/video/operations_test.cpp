@@ -12,7 +12,6 @@ namespace e2lf::video {
 namespace {
 
 using namespace model;
-using Op = video::Op;
 
 Layer layer(const std::string& name, const char* op, std::vector<std::string> inputs) {
   Layer result;
@@ -24,7 +23,7 @@ Layer layer(const std::string& name, const char* op, std::vector<std::string> in
 
 Layer plain_conv(const std::string& name, const std::string& input, size_t out_channels, size_t kernel,
                  size_t stride = 1) {
-  Layer result = layer(name, Op::kConv, {input});
+  Layer result = layer(name, VideoOp::kConv, {input});
   result.out_channels = out_channels;
   result.kernel = kernel;
   result.stride = stride;
@@ -48,12 +47,12 @@ Network with_feedback() {
   add_operations();
   Network network;
   network.input_channels = 2;
-  Layer previous = layer("previous", Op::kPrevious, {});
+  Layer previous = layer("previous", VideoOp::kPrevious, {});
   previous.out_channels = 8;
-  Layer filtered = layer("filtered", Op::kDynamicFilter, {"input", "filters"});
+  Layer filtered = layer("filtered", VideoOp::kDynamicFilter, {"input", "filters"});
   filtered.kernel = 3;
-  network.layers = {previous, layer("both", Op::kConcat, {"input", "previous"}), plain_conv("filters", "both", 36, 1),
-                    filtered, layer("out", Op::kTanh, {"filtered"})};
+  network.layers = {previous, layer("both", VideoOp::kConcat, {"input", "previous"}),
+                    plain_conv("filters", "both", 36, 1), filtered, layer("out", VideoOp::kTanh, {"filtered"})};
   return network;
 }
 
@@ -101,14 +100,14 @@ Network with_attention() {
   add_operations();
   Network network;
   network.input_channels = 2;
-  Layer look = layer("look", Op::kAttention, {"norm", "a", "a"});
+  Layer look = layer("look", VideoOp::kAttention, {"norm", "a", "a"});
   look.attributes["heads"] = {3};
   network.layers = {plain_conv("a", "input", 12, 2, 2),
-                    layer("place", Op::kPositionCode, {"a"}),
-                    layer("norm", Op::kLayerNorm, {"place"}),
+                    layer("place", VideoOp::kPositionCode, {"a"}),
+                    layer("norm", VideoOp::kLayerNorm, {"place"}),
                     look,
-                    layer("mean", Op::kMean, {"look", "a", "place"}),
-                    strided("out", Op::kUpsample, "mean", 2)};
+                    layer("mean", VideoOp::kMean, {"look", "a", "place"}),
+                    strided("out", VideoOp::kUpsample, "mean", 2)};
   return network;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Operations that remember the previous frame (Op::kConvGru, kConvLstm, kPrevious), and the tanh of their networks.
+// Operations that remember the previous frame (VideoOp::kConvGru, kConvLstm, kPrevious), and the tanh of their
+// networks.
 #include <algorithm>
 #include <cmath>
 
@@ -125,7 +126,7 @@ std::unique_ptr<Kernel> make_lstm_output(size_t channels) {
 Result<std::unique_ptr<Kernel>> make_cell_conv(const PlanBuilder& build, const Layer& layer, const std::string& part,
                                                size_t out_channels) {
   Layer conv = layer;
-  conv.op = Op::kConv;
+  conv.op = VideoOp::kConv;
   conv.name = cat(layer.name, ".", part);
   conv.out_channels = out_channels;
   const size_t in_channels = build.spec(layer.inputs[0]).channels + layer.out_channels;
@@ -157,11 +158,11 @@ Result<void> PlanCell(PlanBuilder& build, const Layer& layer) {
 
   const size_t before = build.add_part(part + "before", std::make_unique<RecallKernel>(), {}, wide(out));
   const size_t both = build.add_part(part + "joined", make_join(in, out, build.compute()), {x, before}, joined);
-  const size_t gate_channels = (layer.op == Op::kConvGru ? 2 : 4) * out;
+  const size_t gate_channels = (layer.op == VideoOp::kConvGru ? 2 : 4) * out;
   E2LF_ASSIGN_OR_RETURN(auto gates_conv, make_cell_conv(build, layer, "gates", gate_channels));
   const size_t gates = build.add_part(part + "gates", std::move(gates_conv), {both}, wide(gate_channels));
   size_t result = 0;
-  if (layer.op == Op::kConvGru) {
+  if (layer.op == VideoOp::kConvGru) {
     const size_t reset =
         build.add_part(part + "reset", make_reset(in, out, build.compute()), {x, before, gates}, joined);
     E2LF_ASSIGN_OR_RETURN(auto conv, make_cell_conv(build, layer, "candidate", out));
@@ -221,9 +222,9 @@ Result<LayerShape> cell_shape(const Layer& layer, Inputs inputs) {
 }
 
 std::vector<WeightShape> cell_weights(const Layer& layer, Inputs inputs) {
-  const size_t out = layer.out_channels, in = inputs[0].channels + out, gates = layer.op == Op::kConvGru ? 2 : 4;
+  const size_t out = layer.out_channels, in = inputs[0].channels + out, gates = layer.op == VideoOp::kConvGru ? 2 : 4;
   auto weights = model::conv_weights(layer.name + ".gates", gates * out, in, layer.kernel);
-  if (layer.op == Op::kConvLstm) return weights;
+  if (layer.op == VideoOp::kConvLstm) return weights;
   for (auto& tensor : model::conv_weights(layer.name + ".candidate", out, in, layer.kernel)) {
     weights.push_back(std::move(tensor));
   }
@@ -243,16 +244,16 @@ engine::Operation cell(const char* name, size_t (*reach)(const Layer& layer)) {
 }  // namespace
 
 engine::Operation conv_gru() {
-  return cell(Op::kConvGru, [](const Layer& layer) { return 2 * (layer.kernel / 2); });
+  return cell(VideoOp::kConvGru, [](const Layer& layer) { return 2 * (layer.kernel / 2); });
 }
 
 engine::Operation conv_lstm() {
-  return cell(Op::kConvLstm, [](const Layer& layer) { return layer.kernel / 2; });
+  return cell(VideoOp::kConvLstm, [](const Layer& layer) { return layer.kernel / 2; });
 }
 
 engine::Operation previous_output() {
   return {
-      .model = {.name = Op::kPrevious,
+      .model = {.name = VideoOp::kPrevious,
                 .min_inputs = 0,
                 .max_inputs = 0,
                 .remembers = true,
@@ -264,7 +265,7 @@ engine::Operation previous_output() {
 }
 
 engine::Operation hyperbolic_tangent() {
-  return {.model = {.name = Op::kTanh,
+  return {.model = {.name = VideoOp::kTanh,
                     .shape = model::equal_shapes,
                     .onnx = [](model::OnnxCall& call) { return call.node("Tanh"); }},
           .plan = [](PlanBuilder& build, const Layer& layer) { return HWY_DYNAMIC_DISPATCH(PlanTanh)(build, layer); }};

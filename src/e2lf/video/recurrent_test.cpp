@@ -44,7 +44,7 @@ struct OneCell {
 };
 
 TEST_F(RecurrentTest, AGruThatDoesNotLookGoesToItsCandidateExponentially) {
-  OneCell cell(Op::kConvGru);
+  OneCell cell(VideoOp::kConvGru);
   cell.weights["cell.gates.bias"] = {-0.5F, 3.0F};
   cell.weights["cell.candidate.bias"] = {0.8F};
   ReferenceState state;
@@ -56,7 +56,7 @@ TEST_F(RecurrentTest, AGruThatDoesNotLookGoesToItsCandidateExponentially) {
 }
 
 TEST_F(RecurrentTest, AGruResetsWhatItsCandidateSeesOfTheFrameBefore) {
-  OneCell cell(Op::kConvGru);
+  OneCell cell(VideoOp::kConvGru);
   cell.weights["cell.gates.bias"] = {40.0F, 0.25F};      // takes the candidate alone
   cell.weights["cell.candidate.weight"] = {1.0F, 2.0F};  // of x and of r h'
   ReferenceState state{{"cell", {0.3F}}};
@@ -65,7 +65,7 @@ TEST_F(RecurrentTest, AGruResetsWhatItsCandidateSeesOfTheFrameBefore) {
 }
 
 TEST_F(RecurrentTest, AnLstmHasItsGatesInTheOrderInputForgetOutputCandidate) {
-  OneCell cell(Op::kConvLstm);
+  OneCell cell(VideoOp::kConvLstm);
   cell.weights["cell.gates.bias"] = {0.1F, 0.2F, 0.3F, 0.4F};
   cell.weights["cell.gates.weight"] = {0, 0, 0, 0, 0, 0, 0.5F, 0.7F};  // g sees x and h'
   ReferenceState state{{"cell", {0.6F}}, {"cell.memory", {-0.9F}}};
@@ -77,7 +77,7 @@ TEST_F(RecurrentTest, AnLstmHasItsGatesInTheOrderInputForgetOutputCandidate) {
 
 TEST_F(RecurrentTest, BilinearUpsamplingOfARampIsTheRampUpToTheEdges) {
   const model::Network network{
-      1, {conv("half", "input", 1, 2, false, "", 2), reshape("up", Op::kUpsampleBilinear, {"half"}, 2)}};
+      1, {conv("half", "input", 1, 2, false, "", 2), reshape("up", VideoOp::kUpsampleBilinear, {"half"}, 2)}};
   const model::Weights weights{{"half.weight", {0.25F, 0.25F, 0.25F, 0.25F}}, {"half.bias", {0.0F}}};
   constexpr size_t kSize = 8;
   std::vector<float> ramp(kSize * kSize);
@@ -90,7 +90,8 @@ TEST_F(RecurrentTest, BilinearUpsamplingOfARampIsTheRampUpToTheEdges) {
 }
 
 TEST_F(RecurrentTest, AStridedConvolutionIsCentredOnItsPixels) {
-  const model::Network network{1, {conv("a", "input", 1, 3, false, "", 2), reshape("up", Op::kUpsample, {"a"}, 2)}};
+  const model::Network network{1,
+                               {conv("a", "input", 1, 3, false, "", 2), reshape("up", VideoOp::kUpsample, {"a"}, 2)}};
   model::Weights weights{{"a.weight", std::vector<float>(9, 0.0F)}, {"a.bias", {0.0F}}};
   weights["a.weight"][4] = 1.0F;
   const auto input = random_values(6 * 8, 1);
@@ -103,7 +104,7 @@ TEST_F(RecurrentTest, AStridedConvolutionIsCentredOnItsPixels) {
 TEST_F(RecurrentTest, FiltersOfOneTapMoveThePictureEachPixelItsOwnWay) {
   // Two filters of 3x3: the pixel to the right, and twice the one above; pixels outside are zero.
   constexpr size_t kRight = 5, kAbove = 9 + 1;
-  model::Layer moved = reshape("moved", Op::kDynamicFilter, {"input", "filters"});
+  model::Layer moved = reshape("moved", VideoOp::kDynamicFilter, {"input", "filters"});
   moved.kernel = 3;
   const model::Network network{2, {conv("filters", "input", 18, 1, false), moved}};
   model::Weights weights{{"filters.weight", std::vector<float>(36, 0.0F)}, {"filters.bias", std::vector<float>(18)}};
@@ -122,7 +123,7 @@ TEST_F(RecurrentTest, FiltersOfOneTapMoveThePictureEachPixelItsOwnWay) {
 }
 
 TEST_F(RecurrentTest, ASumWithTheLastOutputIsARunningSum) {
-  const model::Network network{1, {previous("last", 1), reshape("sum", Op::kAdd, {"input", "last"})}};
+  const model::Network network{1, {previous("last", 1), reshape("sum", VideoOp::kAdd, {"input", "last"})}};
   const Engine engine = Engine::create(network, {}, {Precision::kFloat32}).value();
   FrameState state;
   std::vector<float> output(6 * 8), expected(6 * 8);

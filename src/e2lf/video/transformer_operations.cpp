@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What transformers do with each pixel beside attention; see Op::kLayerNorm and Op::kPositionCode.
+// What transformers do with each pixel beside attention; see VideoOp::kLayerNorm and VideoOp::kPositionCode.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -143,7 +143,7 @@ class PositionCodeKernel final : public Kernel {
 engine::Operation layer_norm() {
   return {
       .model =
-          {.name = Op::kLayerNorm,
+          {.name = VideoOp::kLayerNorm,
            .shape = model::equal_shapes,
            .weights =
                [](const Layer& layer, std::span<const LayerShape> inputs) {
@@ -154,7 +154,7 @@ engine::Operation layer_norm() {
 }
 
 engine::Operation position_code() {
-  return {.model = {.name = Op::kPositionCode,
+  return {.model = {.name = VideoOp::kPositionCode,
                     .shape = model::equal_shapes,
                     .reach = [](const Layer&) { return model::kWholeImage; }},
           .plan = [](PlanBuilder& build, const Layer& layer) -> Result<void> {

@@ -23,9 +23,9 @@ VideoModel small_video_model() {
   model.tone = FrameTone::kExpRobust;
   model.network = {
       3,
-      {engine::conv("half", "input", 4, 5, true, "", 2), cell("cell", Op::kConvGru, "half", 4, 3),
-       cell("other", Op::kConvLstm, "cell", 4, 3), engine::reshape("up", Op::kUpsampleBilinear, {"other"}, 2),
-       engine::conv("out", "up", 1, 1, false), engine::reshape("last", Op::kSigmoid, {"out"})}};
+      {engine::conv("half", "input", 4, 5, true, "", 2), cell("cell", VideoOp::kConvGru, "half", 4, 3),
+       cell("other", VideoOp::kConvLstm, "cell", 4, 3), engine::reshape("up", VideoOp::kUpsampleBilinear, {"other"}, 2),
+       engine::conv("out", "up", 1, 1, false), engine::reshape("last", VideoOp::kSigmoid, {"out"})}};
   model.weights = engine::random_weights(model.network, 1);
   model.provenance = {{"seed", 7}};
   return model;
@@ -92,7 +92,7 @@ TEST(VideoModelFile, AModelOfLightFieldsRemembersNothing) {
   model.num_patterns = 4;
   model.views_y = model.views_x = 1;
   model.input = {{InputKind::kCounts, 1.0F}};
-  model.network = {3, {cell("cell", Op::kConvGru, "input", 1, 3)}};
+  model.network = {3, {cell("cell", VideoOp::kConvGru, "input", 1, 3)}};
   model.weights = engine::random_weights(model.network, 1);
   const auto valid = validate(model, "m");
   ASSERT_FALSE(valid.ok());
@@ -102,9 +102,9 @@ TEST(VideoModelFile, AModelOfLightFieldsRemembersNothing) {
 TEST(VideoModelSummary, HasTheFiguresOfFireNet) {
   VideoModel model;
   model.network = {5,
-                   {engine::conv("head", "input", 16, 3), cell("cell1", Op::kConvGru, "head", 16, 3),
+                   {engine::conv("head", "input", 16, 3), cell("cell1", VideoOp::kConvGru, "head", 16, 3),
                     engine::conv("a", "cell1", 16, 3), engine::conv("b", "a", 16, 3, true, "cell1"),
-                    cell("cell2", Op::kConvGru, "b", 16, 3), engine::conv("c", "cell2", 16, 3),
+                    cell("cell2", VideoOp::kConvGru, "b", 16, 3), engine::conv("c", "cell2", 16, 3),
                     engine::conv("d", "c", 16, 3, true, "cell2"), engine::conv("out", "d", 1, 1, false)}};
   EXPECT_EQ(num_parameters(model.network), 37777U);
   EXPECT_EQ(macs_per_pixel(model.network), 5 * 16 * 9 + 2 * 3 * 32 * 16 * 9 + 4 * 16 * 16 * 9 + 16);
@@ -113,7 +113,7 @@ TEST(VideoModelSummary, HasTheFiguresOfFireNet) {
 
 TEST(NetworkCost, StridedConvolutionsAndBilinearSamplesReachBeyondTheirBlock) {
   const Network network{
-      1, {engine::conv("a", "input", 1, 5, false, "", 2), engine::reshape("up", Op::kUpsampleBilinear, {"a"}, 2)}};
+      1, {engine::conv("a", "input", 1, 5, false, "", 2), engine::reshape("up", VideoOp::kUpsampleBilinear, {"a"}, 2)}};
   // Output pixel 0 sees coarse pixels 0 and -1; that one sees input pixels -4 to 0. Pixel 1: 0 and 1, up to 4.
   EXPECT_EQ(receptive_radius(network), 2U + 1U + 2U + 1U);
 }

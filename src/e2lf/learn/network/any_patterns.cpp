@@ -145,7 +145,7 @@ Network depth_network(const std::vector<size_t>& widths, size_t num_inputs) {
   layers.conv("features", "pictures", kPictures * kFeatures, 5);
   layers.add(
       {.name = "sweep",
-       .op = geometry::Op::kPlaneSweep,
+       .op = geometry::GeometryOp::kPlaneSweep,
        .inputs = {"features"},
        .kernel = kWindow,
        .attributes = {{"disparities", compared_disparities()}, {"offsets", std::vector<double>(2 * kPictures, 0.0)}}});

@@ -15,20 +15,20 @@ using engine::conv, engine::reshape;
 using Function = std::function<torch::Tensor(const torch::Tensor&)>;
 
 model::Layer sweep_layer() {
-  auto layer = reshape("sweep", geometry::Op::kPlaneSweep, {"input"});
+  auto layer = reshape("sweep", geometry::GeometryOp::kPlaneSweep, {"input"});
   layer.kernel = 3;
   layer.attributes = {{"offsets", {-1.5, 0.75, 0.5, -2}}, {"disparities", {-1.2, 0, 0.7}}};
   return layer;
 }
 
 model::Layer render_layer() {
-  auto layer = reshape("views", geometry::Op::kRenderLayers, {"input"});
+  auto layer = reshape("views", geometry::GeometryOp::kRenderLayers, {"input"});
   layer.attributes = {{"disparities", {-1.2, 0.1, 0.7}}, {"rows", {-1.5, 0.5}}, {"columns", {-3.5, 0, 2}}};
   return layer;
 }
 
 model::Layer warp_layer() {
-  auto layer = reshape("moved", geometry::Op::kWarp, {"pictures", "map"});
+  auto layer = reshape("moved", geometry::GeometryOp::kWarp, {"pictures", "map"});
   layer.attributes = {{"offsets", {-1.5, 0.75, 0.5, -2}}, {"disparities", {-1.2, 0.7}}};
   return layer;
 }

@@ -99,9 +99,9 @@ struct Registry {
       {Op::kAdd, sum},
       {Op::kMean, [](const TorchCall& call) { return sum(call) / static_cast<double>(call.inputs.size()); }},
 #if E2LF_LEARN_KERNELS
-      {geometry::Op::kPlaneSweep, apply_plane_sweep},
-      {geometry::Op::kRenderLayers, apply_render_layers},
-      {geometry::Op::kWarp, apply_warp},
+      {geometry::GeometryOp::kPlaneSweep, apply_plane_sweep},
+      {geometry::GeometryOp::kRenderLayers, apply_render_layers},
+      {geometry::GeometryOp::kWarp, apply_warp},
 #endif
       {Op::kConcat, [](const TorchCall& call) { return torch::cat(call.inputs, 1); }},
       {Op::kSigmoid, [](const TorchCall& call) { return torch::sigmoid(call.inputs[0]); }}};

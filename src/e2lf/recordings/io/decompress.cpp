@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kFirstRoom = size_t{1} << 16;
 
-enum class State { kGoesOn, kEnded, kDamaged };
+enum class PacketState { kGoesOn, kEnded, kDamaged };
 
 /// Calls step(packed, room), which advances both spans by what it used, until the packet ends. `out` grows with the
 /// content.
@@ -26,12 +26,12 @@ Result<void> unpack(std::span<const uint8_t> packed, std::vector<uint8_t>& out, 
   for (;;) {
     std::span<uint8_t> room = std::span(out).subspan(used);
     const size_t before = packed.size() + room.size();
-    const State state = step(packed, room);
-    if (state == State::kDamaged) {
+    const PacketState state = step(packed, room);
+    if (state == PacketState::kDamaged) {
       return fail(ErrorCode::kFormat, "", "a packet cannot be decompressed; the file is damaged");
     }
     used = out.size() - room.size();
-    if (state == State::kEnded) break;
+    if (state == PacketState::kEnded) break;
     if (room.empty()) {
       if (out.size() >= kMaxPacketBytes) {
         return fail(ErrorCode::kUnsupported, "", "a packet unpacks to more than ", kMaxPacketBytes, " bytes");
@@ -53,10 +53,10 @@ Result<void> unpack_lz4(std::span<const uint8_t> packed, std::vector<uint8_t>& o
   return unpack(packed, out, [context](std::span<const uint8_t>& in, std::span<uint8_t>& room) {
     size_t read = in.size(), written = room.size();
     const size_t hint = LZ4F_decompress(context, room.data(), &written, in.data(), &read, nullptr);
-    if (LZ4F_isError(hint)) return State::kDamaged;
+    if (LZ4F_isError(hint)) return PacketState::kDamaged;
     in = in.subspan(read);
     room = room.subspan(written);
-    return hint == 0 ? State::kEnded : State::kGoesOn;
+    return hint == 0 ? PacketState::kEnded : PacketState::kGoesOn;
   });
 }
 
@@ -68,10 +68,10 @@ Result<void> unpack_zstd(std::span<const uint8_t> packed, std::vector<uint8_t>& 
     ZSTD_inBuffer in = {packed_left.data(), packed_left.size(), 0};
     ZSTD_outBuffer to = {room.data(), room.size(), 0};
     const size_t hint = ZSTD_decompressStream(context.get(), &to, &in);
-    if (ZSTD_isError(hint)) return State::kDamaged;
+    if (ZSTD_isError(hint)) return PacketState::kDamaged;
     packed_left = packed_left.subspan(in.pos);
     room = room.subspan(to.pos);
-    return hint == 0 ? State::kEnded : State::kGoesOn;
+    return hint == 0 ? PacketState::kEnded : PacketState::kGoesOn;
   });
 }
 #endif

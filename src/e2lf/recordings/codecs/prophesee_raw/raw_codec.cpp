@@ -36,12 +36,12 @@ bool warm_up(std::span<const uint8_t> bytes, size_t size, ColumnSink& sink, Stre
 /// Guesses the state of a stream at byte `begin` of `bytes` from the words before it, where `stream` is the state at
 /// the first byte. Returns false if the words are not conclusive. Overwrites the content of the sink and leaves it
 /// empty.
-template <typename Codec>
+template <typename WordCodec>
 bool guess_state(std::span<const uint8_t> bytes, size_t begin, const SensorLimits& limits,
-                 const RawStream<Codec>& stream, ColumnSink& sink, RawStream<Codec>& guess) {
+                 const RawStream<WordCodec>& stream, ColumnSink& sink, RawStream<WordCodec>& guess) {
   for (const size_t words : {1024, 16384}) {  // a few first, then more
-    const size_t from = begin - std::min(begin, words * Codec::kWordBytes);
-    guess = RawStream<Codec>(limits);
+    const size_t from = begin - std::min(begin, words * WordCodec::kWordBytes);
+    guess = RawStream<WordCodec>(limits);
     if (!warm_up(bytes.subspan(from), begin - from, sink, guess) || !guess.is_steady()) continue;
     guess.extrapolate(stream);
     return true;
@@ -52,10 +52,10 @@ bool guess_state(std::span<const uint8_t> bytes, size_t begin, const SensorLimit
 /// Decodes consecutive parts of a RAW stream in parallel. The state at the start of a part is guessed from the words
 /// before it. A part is accepted only if the previous part ends in exactly this state, so that the result is that of a
 /// single thread.
-template <typename Codec>
+template <typename WordCodec>
 class PartDecoder {
  public:
-  using Stream = RawStream<Codec>;
+  using Stream = RawStream<WordCodec>;
 
   struct Part {
     explicit Part(const SensorLimits& limits) : stream(limits), guess(limits) {}
@@ -103,7 +103,7 @@ class PartDecoder {
   static constexpr size_t kMinPartBytes = size_t{1} << 16;
   static constexpr size_t kMaxPartBytes = size_t{1} << 21;
   /// Number of bytes after its end that a part may inspect.
-  static constexpr size_t kBytesBehind = 2 * kJudgeWords * Codec::kWordBytes;
+  static constexpr size_t kBytesBehind = 2 * kJudgeWords * WordCodec::kWordBytes;
 
   void decode_part(std::span<const uint8_t> bytes, uint64_t first_byte, const Stream& stream, size_t i) {
     Part& part = parts_[i];
@@ -162,7 +162,7 @@ class PartDecoder {
 /// The blocks of a RAW recording of one encoding. Bytes of a source are decoded by a RawStream, or, for files and
 /// several threads, by a PartDecoder that is some parts ahead. The stream is copied every kCheckpointBytes, so that
 /// seeking requires no index file: it continues from the last copy before the time.
-template <typename Codec>
+template <typename WordCodec>
 class RawBlocks final : public EventBlocks {
  public:
   /// `source` is positioned after the header, whose properties are `info`.
@@ -218,7 +218,7 @@ class RawBlocks final : public EventBlocks {
   struct Checkpoint {
     int64_t time_us;  ///< no earlier event is later than this
     uint64_t byte;
-    RawStream<Codec> stream;
+    RawStream<WordCodec> stream;
     int64_t latest_us;  ///< latest time that was returned so far
   };
 
@@ -242,7 +242,7 @@ class RawBlocks final : public EventBlocks {
                    cat(source_->name(), ": byte ", recording_byte_)};
     }
     loops_before_ += stream_.time_loops();
-    stream_ = RawStream<Codec>(limits_);
+    stream_ = RawStream<WordCodec>(limits_);
     latest_us_ = INT64_MIN;
     has_restarted_ = true;
     wanted_ = 1;
@@ -313,12 +313,12 @@ class RawBlocks final : public EventBlocks {
   SourcePtr source_;
   OpenOptions options_;  ///< with the format and size of the first header, with which later ones must agree
   SensorLimits limits_;
-  RawStream<Codec> stream_;
+  RawStream<WordCodec> stream_;
   std::vector<Checkpoint> checkpoints_;
   size_t wanted_ = 1;
   int64_t latest_us_ = INT64_MIN;  ///< latest time that was decoded
 
-  std::optional<PartDecoder<Codec>> parts_;
+  std::optional<PartDecoder<WordCodec>> parts_;
   size_t num_parts_ = 0;  ///< number of decoded parts, of which the first next_part_ were returned
   size_t next_part_ = 0;
 
@@ -331,19 +331,19 @@ class RawBlocks final : public EventBlocks {
   uint64_t loops_before_ = 0;   ///< loops of the clock before that
 };
 
-template <typename Codec>
+template <typename WordCodec>
 ReaderPtr make_reader(SourcePtr source, RawHeader header, const OpenOptions& options) {
-  auto blocks = std::make_unique<RawBlocks<Codec>>(source, header.info, options);
+  auto blocks = std::make_unique<RawBlocks<WordCodec>>(source, header.info, options);
   return std::make_unique<RecordingReader>(std::move(blocks), std::move(header.info), source->name(), options);
 }
 
 Result<ReaderPtr> open_evt21(SourcePtr source, RawHeader header, const OpenOptions& options) {
-  using timed::Codec, timed::Encoding;
+  using timed::TimedWordCodec, timed::Encoding;
   constexpr size_t kLookedAtBytes = 4096;
   E2LF_ASSIGN_OR_RETURN(const std::span<const uint8_t> words, source->fetch(kLookedAtBytes));
   return timed::find_byte_order(words, header.endianness) == Encoding::kEvt21Little
-             ? make_reader<Codec<Encoding::kEvt21Little>>(std::move(source), std::move(header), options)
-             : make_reader<Codec<Encoding::kEvt21Legacy>>(std::move(source), std::move(header), options);
+             ? make_reader<TimedWordCodec<Encoding::kEvt21Little>>(std::move(source), std::move(header), options)
+             : make_reader<TimedWordCodec<Encoding::kEvt21Legacy>>(std::move(source), std::move(header), options);
 }
 
 }  // namespace
@@ -352,10 +352,10 @@ Result<ReaderPtr> open_raw(SourcePtr source, const OpenOptions& options) {
   E2LF_ASSIGN_OR_RETURN(RawHeader header, read_raw_header(*source, options));
   if (header.info.format == "evt2.1") return open_evt21(std::move(source), std::move(header), options);
   if (header.info.format == "evt2") {
-    return make_reader<timed::Codec<timed::Encoding::kEvt2>>(std::move(source), std::move(header), options);
+    return make_reader<timed::TimedWordCodec<timed::Encoding::kEvt2>>(std::move(source), std::move(header), options);
   }
   if (header.info.format == "evt4") return evt4::make_reader(std::move(source), std::move(header.info), options);
-  return make_reader<evt3::Codec>(std::move(source), std::move(header), options);
+  return make_reader<evt3::Evt3WordCodec>(std::move(source), std::move(header), options);
 }
 
 Result<WriterPtr> create_raw(SinkPtr sink, const RecordingInfo& info) {

@@ -87,7 +87,7 @@ size_t check_scalar(const uint8_t* words, size_t count, Check& check, const Sens
   return i;
 }
 
-size_t Codec::count_bad(const uint8_t* words, size_t count, size_t enough) {
+size_t Evt3WordCodec::count_bad(const uint8_t* words, size_t count, size_t enough) {
   size_t bad = 0;
   uint16_t time_high = 0xFFFF;
   int low = -1;
@@ -118,7 +118,7 @@ size_t Codec::count_bad(const uint8_t* words, size_t count, size_t enough) {
   return bad;
 }
 
-Violation Codec::classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
+Violation Evt3WordCodec::classify(const uint8_t* word, const Check& check, const SensorLimits& limits) {
   const auto value = load_le<uint16_t>(word);
   if (!is_known(value) || value == 0) return Violation::kUnknownWord;
   if (is_outside(value, limits)) return Violation::kOutOfRange;
@@ -128,28 +128,28 @@ Violation Codec::classify(const uint8_t* word, const Check& check, const SensorL
   return is_back ? Violation::kTimeBackwards : Violation::kTimeJump;
 }
 
-std::optional<uint32_t> Codec::coarse_time(const uint8_t* word) {
+std::optional<uint32_t> Evt3WordCodec::coarse_time(const uint8_t* word) {
   const auto value = load_le<uint16_t>(word);
   return type_of(value) == kTimeHigh ? std::optional(value & kPayloadMask) : std::nullopt;
 }
 
-std::optional<uint32_t> Codec::coarse_time(const Check& check) {
+std::optional<uint32_t> Evt3WordCodec::coarse_time(const Check& check) {
   return check.time_high == 0xFFFF ? std::nullopt : std::optional(check.time_high & kPayloadMask);
 }
 
-size_t Codec::num_padding(const uint8_t* words, size_t count, const Check& check) {
+size_t Evt3WordCodec::num_padding(const uint8_t* words, size_t count, const Check& check) {
   if (!check.after_frame) return 0;
   size_t zeros = 0;
   while (zeros < count && load_le<uint16_t>(words + 2 * zeros) == 0) ++zeros;
   return zeros;
 }
 
-Verdict Codec::judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
-  return coarse_time(words) ? judge_coarse_time<Codec>(words, count, ended, check)
+Verdict Evt3WordCodec::judge_time(const uint8_t* words, size_t count, bool ended, const Check& check) {
+  return coarse_time(words) ? judge_coarse_time<Evt3WordCodec>(words, count, ended, check)
                             : judge_time_low(words, count, ended, check);
 }
 
-void Codec::accept_time(const uint8_t* word, Check& check) {
+void Evt3WordCodec::accept_time(const uint8_t* word, Check& check) {
   const auto value = load_le<uint16_t>(word);
   check.num_zeros = 0;
   if (type_of(value) == kTimeLow) {
@@ -163,7 +163,7 @@ void Codec::accept_time(const uint8_t* word, Check& check) {
   check.heartbeat -= 3;
 }
 
-void Codec::forget(State& state, Check& check) {
+void Evt3WordCodec::forget(State& state, Check& check) {
   state.need_time_high = state.need_low = state.need_y = true;
   state.base_x = 0xFFFF;
   check.low = -1;
@@ -171,7 +171,7 @@ void Codec::forget(State& state, Check& check) {
   check.after_damage = true;
 }
 
-void Codec::drop_word(const uint8_t* word, State& state) {
+void Evt3WordCodec::drop_word(const uint8_t* word, State& state) {
   switch (type_of(load_le<uint16_t>(word))) {
     case kAddrY:
       state.need_y = true;

@@ -11,7 +11,7 @@ constexpr uint16_t kNone = 0xFFFF;
 
 /// Updates the time of the state with a TIME_HIGH word: a different one resets the low part to 0. Backward steps do not
 /// occur here.
-void take_time_high(uint16_t word, State& state) {
+void take_time_high(uint16_t word, Evt3State& state) {
   if (word == state.time_high) return;
   if (state.time_high == kNone) {
     state.high_us = static_cast<int64_t>(word & kPayloadMask) << 12;
@@ -24,18 +24,18 @@ void take_time_high(uint16_t word, State& state) {
 }
 
 /// Sets the base of the vectors that follow.
-void take_base(uint16_t word, State& state) {
+void take_base(uint16_t word, Evt3State& state) {
   state.base_x = static_cast<uint16_t>(word & kCoordinateMask);
   state.base_p = static_cast<uint8_t>((word >> 11) & 1);
 }
 
 /// Advances the base after a vector; far outside the sensor it is not changed.
-void advance_base(uint32_t bits, State& state) {
+void advance_base(uint32_t bits, Evt3State& state) {
   if (state.base_x < 0x7FFF) state.base_x = static_cast<uint16_t>(state.base_x + bits);
 }
 
 /// Returns the part of a vector's mask that is inside the sensor, and advances the base.
-uint32_t take_vector(uint32_t mask, uint32_t bits, State& state, const SensorLimits& limits) {
+uint32_t take_vector(uint32_t mask, uint32_t bits, Evt3State& state, const SensorLimits& limits) {
   if (state.base_x == kNone) {
     state.num_outside += static_cast<uint64_t>(std::popcount(mask));
     return 0;
@@ -58,7 +58,7 @@ uint16_t word_at(const uint8_t* words, size_t i) {
 }
 
 /// Takes what later words depend on from words without triggers and steps of TIME_HIGH, and leaves out their events.
-void take_context(const uint8_t* words, size_t count, State& state) {
+void take_context(const uint8_t* words, size_t count, Evt3State& state) {
   if (const size_t low = find_last(words, count, only(kTimeLow)); low < count) {
     state.low = static_cast<uint16_t>(word_at(words, low) & kPayloadMask);
   }
@@ -83,8 +83,8 @@ uint16_t make_word(Type type, uint32_t payload) {
 
 }  // namespace
 
-size_t Codec::decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
-                            ColumnSink& sink) {
+size_t Evt3WordCodec::decode_scalar(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                                    ColumnSink& sink) {
   sink.set_time(time(state));
   for (size_t i = 0; i < count; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
@@ -108,11 +108,11 @@ size_t Codec::decode_scalar(const uint8_t* words, size_t count, State& state, co
       }
       case kTimeLow:
         state.low = static_cast<uint16_t>(word & kPayloadMask);
-        sink.set_time(Codec::time(state));
+        sink.set_time(Evt3WordCodec::time(state));
         break;
       case kTimeHigh:
         take_time_high(word, state);
-        sink.set_time(Codec::time(state));
+        sink.set_time(Evt3WordCodec::time(state));
         break;
       case kTrigger:
         sink.add_trigger((word >> 8) & 0xF, word & 1);
@@ -124,7 +124,7 @@ size_t Codec::decode_scalar(const uint8_t* words, size_t count, State& state, co
   return count;
 }
 
-void Codec::take_needed(const uint8_t* word, State& state) {
+void Evt3WordCodec::take_needed(const uint8_t* word, State& state) {
   const auto value = load_le<uint16_t>(word);
   const uint32_t type = value >> 12;
   if (type == kAddrY) state.need_y = false;
@@ -135,7 +135,7 @@ void Codec::take_needed(const uint8_t* word, State& state) {
   state.need_time_high = false;
 }
 
-void Codec::count_reports(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
+void Evt3WordCodec::count_reports(const uint8_t* words, size_t count, State& state, DecodeSummary& summary) {
   constexpr size_t kBlock = 64;
   for (size_t begin = 0; begin < count; begin += kBlock) {
     const size_t end = std::min(count, begin + kBlock);
@@ -156,7 +156,7 @@ void Codec::count_reports(const uint8_t* words, size_t count, State& state, Deco
   }
 }
 
-void Codec::extrapolate(State& state, const State& before) {
+void Evt3WordCodec::extrapolate(State& state, const State& before) {
   // Up to 14 s ahead, or 2 s back.
   constexpr uint32_t kBack = 512;
   const uint32_t ahead = (static_cast<uint32_t>(state.time_high) - before.time_high + kBack) & kPayloadMask;
@@ -182,8 +182,8 @@ size_t find_last_scalar(const uint8_t* words, size_t count, TypeSet types) {
   return count;
 }
 
-size_t Codec::skip_events(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, TimeSpan span,
-                          ColumnSink& sink) {
+size_t Evt3WordCodec::skip_events(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                                  TimeSpan span, ColumnSink& sink) {
   const auto is_inside = [&] {
     return time(state) - kJitterUs >= span.begin_us && state.high_us + kHighStepUs <= span.end_us;
   };

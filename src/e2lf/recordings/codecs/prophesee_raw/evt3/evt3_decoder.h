@@ -101,7 +101,7 @@ inline constexpr LaneTables kLaneTables = [] {
 }();
 
 /// The state on which the meaning of words depends.
-struct State {
+struct Evt3State {
   int64_t high_us = 0;          ///< time without its low 12 bits, including loops of the 24-bit clock
   uint16_t time_high = 0xFFFF;  ///< the last TIME_HIGH word; 0xFFFF = none yet, events are dropped
   uint16_t low = 0;             ///< the last TIME_LOW payload
@@ -114,12 +114,12 @@ struct State {
   bool need_y = false;
   uint16_t report = 0;      ///< the OTHERS word whose payload may follow; 0 = none
   uint8_t report_bits = 0;  ///< number of payload bits so far
-  bool operator==(const State&) const = default;
+  bool operator==(const Evt3State&) const = default;
 };
 
 /// The state of the check of words, which runs ahead of decoding.
 struct Check {
-  uint16_t time_high = 0xFFFF;  ///< as in State
+  uint16_t time_high = 0xFFFF;  ///< as in Evt3State
   int32_t low = -1;             ///< the last TIME_LOW payload, -1 = unknown
   uint32_t num_rejected = 0;    ///< number of consecutive unexpected TIME_HIGH words
   int64_t heartbeat = -4;  ///< number of repeated TIME_HIGH words minus three for each step; 0 or more is a heartbeat
@@ -138,8 +138,8 @@ inline bool is_plausible_low(int last, int next) {
 }
 
 /// EVT3 for RawStream; word_codec.h describes the functions.
-struct Codec {
-  using State = evt3::State;
+struct Evt3WordCodec {
+  using State = Evt3State;
   using Check = evt3::Check;
   static constexpr size_t kWordBytes = 2;
   static constexpr size_t kMaxEventsPerWord = 12;
@@ -175,7 +175,7 @@ struct Codec {
                               ColumnSink& sink);
 };
 
-/// The scalar reference of Codec::check().
+/// The scalar reference of Evt3WordCodec::check().
 size_t check_scalar(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
 
 /// Encodes events and triggers as EVT3 words (the Encoder of RawWriter). Runs of events in one row with the same

@@ -24,8 +24,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 size_t check_words(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
   return check_scalar(words, count, check, limits);
 }
-size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  return Codec::decode_scalar(words, count, state, limits, sink);
+size_t decode_columns(const uint8_t* words, size_t count, Evt3State& state, const SensorLimits& limits,
+                      ColumnSink& sink) {
+  return Evt3WordCodec::decode_scalar(words, count, state, limits, sink);
 }
 size_t find_mark_in(const uint8_t* words, size_t count, uint16_t time_high) {
   return find_mark_scalar(words, count, time_high);
@@ -257,11 +258,12 @@ size_t find_last(const uint8_t* words, size_t count, TypeSet types) {
   return HWY_DYNAMIC_DISPATCH(find_last_in)(words, count, types);
 }
 
-size_t Codec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
+size_t Evt3WordCodec::check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
   return HWY_DYNAMIC_DISPATCH(check_words)(words, count, check, limits);
 }
 
-size_t Codec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+size_t Evt3WordCodec::decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits,
+                             ColumnSink& sink) {
   return HWY_DYNAMIC_DISPATCH(decode_columns)(words, count, state, limits, sink);
 }
 

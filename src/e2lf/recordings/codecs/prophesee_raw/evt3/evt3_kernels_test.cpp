@@ -71,8 +71,8 @@ class WordMaker {
   std::vector<uint8_t> words_;
 };
 
-State known_state() {
-  State state;
+Evt3State known_state() {
+  Evt3State state;
   state.high_us = int64_t{77} << 12;
   state.time_high = static_cast<uint16_t>(kTimeHigh << 12 | 77);
   state.need_time_high = false;
@@ -81,7 +81,7 @@ State known_state() {
 
 struct Decoded {
   EventBatch batch;
-  State state;
+  Evt3State state;
   bool operator==(const Decoded&) const = default;
 };
 
@@ -97,8 +97,8 @@ Decoded decode_columns(const std::vector<uint8_t>& words, const Decode& decode) 
 }
 
 TEST(Evt3Kernels, GiveWhatTheScalarReferenceGives) {
-  const auto kernel = [](auto&&... arguments) { return Codec::decode(arguments...); };
-  const auto reference = [](auto&&... arguments) { return Codec::decode_scalar(arguments...); };
+  const auto kernel = [](auto&&... arguments) { return Evt3WordCodec::decode(arguments...); };
+  const auto reference = [](auto&&... arguments) { return Evt3WordCodec::decode_scalar(arguments...); };
   for (uint32_t seed = 0; seed < 120; ++seed) {
     const auto words = WordMaker(seed).make(seed % 3 == 0 ? 1 + seed : 3000 + seed);
     const Decoded columns = decode_columns(words, reference);
@@ -134,13 +134,14 @@ TEST(Evt3Kernels, SkippedWordsLeaveTheStateAndTheTriggersOfDecodedOnes) {
   for (uint32_t seed = 0; seed < 120; ++seed) {
     const auto words = WordMaker(seed).make(20'000);
     const TimeSpan span = {(int64_t{77} << 12) + 500 * (seed % 9), (int64_t{77 + seed % 5} << 12) + 100};
-    const Decoded whole = decode_columns(words, [](auto&&... arguments) { return Codec::decode_scalar(arguments...); });
+    const Decoded whole =
+        decode_columns(words, [](auto&&... arguments) { return Evt3WordCodec::decode_scalar(arguments...); });
     const Decoded part = decode_columns(
-        words, [&](const uint8_t* at, size_t count, State& state, const SensorLimits&, ColumnSink& sink) {
+        words, [&](const uint8_t* at, size_t count, Evt3State& state, const SensorLimits&, ColumnSink& sink) {
           for (size_t used = 0; used < count;) {
             const size_t block = std::min<size_t>(count - used, 1 + seed * 17);
-            const size_t skipped = Codec::skip_events(at + 2 * used, block, state, limits, span, sink);
-            Codec::decode(at + 2 * (used + skipped), block - skipped, state, limits, sink);
+            const size_t skipped = Evt3WordCodec::skip_events(at + 2 * used, block, state, limits, span, sink);
+            Evt3WordCodec::decode(at + 2 * (used + skipped), block - skipped, state, limits, sink);
             num_skipped += skipped;
             used += block;
           }
@@ -178,14 +179,14 @@ TEST(Evt3Kernels, CheckStopsWhereTheScalarReferenceStops) {
       for (size_t at = 0; at < words.size() / 2;) {
         const SensorLimits limits{kWidth, kHeight};
         const size_t count = words.size() / 2 - at;
-        const size_t good = Codec::check(&words[2 * at], count, check, limits);
+        const size_t good = Evt3WordCodec::check(&words[2 * at], count, check, limits);
         ASSERT_EQ(good, check_scalar(&words[2 * at], count, expected, limits)) << isa << " " << seed << " " << at;
         ASSERT_EQ(check, expected) << isa << " " << seed << " " << at;
         at += good + 1;
         // What is odd is passed over, times are taken.
         if (at <= words.size() / 2 && words[2 * at - 1] >> 4 == kTimeHigh) {
-          Codec::accept_time(&words[2 * at - 2], check);
-          Codec::accept_time(&words[2 * at - 2], expected);
+          Evt3WordCodec::accept_time(&words[2 * at - 2], check);
+          Evt3WordCodec::accept_time(&words[2 * at - 2], expected);
         }
       }
     }
@@ -207,7 +208,7 @@ TEST(Evt3Kernels, CheckSeesTimesThatStepBackFromOneGroupToTheNext) {
     check.time_high = expected.time_high = known_state().time_high;
     check.low = expected.low = 1000;
     const SensorLimits limits{kWidth, kHeight};
-    const size_t good = Codec::check(words.data(), 64, check, limits);
+    const size_t good = Evt3WordCodec::check(words.data(), 64, check, limits);
     EXPECT_EQ(good, check_scalar(words.data(), 64, expected, limits)) << isa;
     EXPECT_EQ(check, expected) << isa;
     EXPECT_LT(good, 64U) << isa;

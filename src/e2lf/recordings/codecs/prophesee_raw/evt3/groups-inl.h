@@ -242,11 +242,12 @@ HWY_INLINE size_t take_words(const uint8_t* words, size_t count, const Bounds& b
 }
 
 /// Decodes groups of words with the kernels above, and the rest with the scalar reference.
-size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
-  sink.set_time(Codec::time(state));
+size_t decode_columns(const uint8_t* words, size_t count, Evt3State& state, const SensorLimits& limits,
+                      ColumnSink& sink) {
+  sink.set_time(Evt3WordCodec::time(state));
   for (size_t i = 0; i < count;) {
     // The kernels use times as they are, so they cannot run while the time is raised to that of an earlier event.
-    if (sink.time() == Codec::time(state)) {
+    if (sink.time() == Evt3WordCodec::time(state)) {
       const Bounds bounds{state.time_high, limits.width};
       Cursor cursor{state.low, state.y, state.base_x, state.base_p, state.high_us};
       Columns out{sink.x, sink.y, sink.p, sink.t, sink.count};
@@ -258,8 +259,8 @@ size_t decode_columns(const uint8_t* words, size_t count, State& state, const Se
       state.base_p = static_cast<uint8_t>(cursor.base_p);
     }
     const size_t left = std::min(count - i, kGroupWords);
-    i += Codec::decode_scalar(words + 2 * i, left, state, limits, sink);
-    sink.set_time(Codec::time(state));
+    i += Evt3WordCodec::decode_scalar(words + 2 * i, left, state, limits, sink);
+    sink.set_time(Evt3WordCodec::time(state));
   }
   return count;
 }

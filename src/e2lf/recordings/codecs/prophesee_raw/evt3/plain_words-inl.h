@@ -136,13 +136,14 @@ HWY_INLINE bool load_triple(const uint8_t* words, uint32_t& mask) {
 
 /// Decodes runs of plain words and of vectors with the kernels above, and the rest with the scalar reference, word by
 /// word.
-size_t decode_columns(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+size_t decode_columns(const uint8_t* words, size_t count, Evt3State& state, const SensorLimits& limits,
+                      ColumnSink& sink) {
   Columns out{sink.x, sink.y, sink.p, sink.t, sink.count};
-  sink.set_time(Codec::time(state));
+  sink.set_time(Evt3WordCodec::time(state));
   size_t i = 0;
   while (i < count) {
     // The kernels use times as they are, so they cannot run while the time is raised to that of an earlier event.
-    const int64_t time = Codec::time(state);
+    const int64_t time = Evt3WordCodec::time(state);
     if (sink.time() == time) {
       Cursor cursor{state.high_us, state.time_high, state.low, state.y};
       for (;;) {
@@ -170,8 +171,8 @@ size_t decode_columns(const uint8_t* words, size_t count, State& state, const Se
       sink.count = out.count;
       if (i == count) break;
     }
-    Codec::decode_scalar(words + 2 * i, 1, state, limits, sink);
-    sink.set_time(Codec::time(state));
+    Evt3WordCodec::decode_scalar(words + 2 * i, 1, state, limits, sink);
+    sink.set_time(Evt3WordCodec::time(state));
     out.count = sink.count;
     ++i;
   }

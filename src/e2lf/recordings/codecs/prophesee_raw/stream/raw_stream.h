@@ -15,7 +15,7 @@ namespace e2lf::recordings {
 /// Decodes one RAW encoding from bytes as they arrive; the events do not depend on how the bytes are divided. Words are
 /// checked first (WordDamage), and are decoded kHoldWords later without further checks. A copy of the object is a
 /// checkpoint from which decoding can continue.
-template <typename Codec>
+template <typename WordCodec>
 class RawStream {
  public:
   explicit RawStream(const SensorLimits& limits) : limits_(limits), damage_(limits) {}
@@ -32,7 +32,7 @@ class RawStream {
   template <typename Sink>
   Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, Sink& sink, DecodeSummary& summary,
                    size_t stop = Input::kNoStop) {
-    using Step = typename WordDamage<Codec>::Step;
+    using Step = typename WordDamage<WordCodec>::Step;
     Input input{bytes, 0, stop, ended, first_byte, &summary};
     for (;;) {
       if (input.num_words_to_stop() == 0) return {input.position, 0};
@@ -46,15 +46,15 @@ class RawStream {
         if (step == Step::kRestart) return {input.position, 0, true};
         continue;
       }
-      ready = std::min({ready, WordDamage<Codec>::kBlockWords, input.num_words_to_stop()});
-      if (Codec::is_synchronised(state_)) {
-        ready = std::min(ready, sink.room(Codec::kMaxEventsPerWord));
+      ready = std::min({ready, WordDamage<WordCodec>::kBlockWords, input.num_words_to_stop()});
+      if (WordCodec::is_synchronised(state_)) {
+        ready = std::min(ready, sink.room(WordCodec::kMaxEventsPerWord));
         if (ready == 0) return {input.position, 0};
         const size_t used = decode(input, ready, sink);
         if (used < ready) return {input.position, 0};
       } else {
         damage_.advance(input, resynchronise(input.data(), ready, summary));
-        if (Codec::is_synchronised(state_)) damage_.close_gap(time_us(), summary);
+        if (WordCodec::is_synchronised(state_)) damage_.close_gap(time_us(), summary);
       }
     }
   }
@@ -65,31 +65,32 @@ class RawStream {
   /// Declares a span whose events are not needed. An encoding that cannot leave them out returns them.
   void skip_events(TimeSpan span) { skipped_ = span; }
 
-  [[nodiscard]] int64_t time_us() const { return Codec::time(state_); }
-  [[nodiscard]] uint64_t time_loops() const { return Codec::time_loops(state_); }
+  [[nodiscard]] int64_t time_us() const { return WordCodec::time(state_); }
+  [[nodiscard]] uint64_t time_loops() const { return WordCodec::time_loops(state_); }
 
   /// Returns the number of bytes after those used that process() has inspected, and which it must receive again.
   [[nodiscard]] size_t num_seen_bytes() const { return damage_.num_seen_bytes(); }
 
   /// Returns whether decoding continues here as within undamaged data.
-  [[nodiscard]] bool is_steady() const { return damage_.is_steady() && Codec::is_synchronised(state_); }
+  [[nodiscard]] bool is_steady() const { return damage_.is_steady() && WordCodec::is_synchronised(state_); }
 
   /// Completes the state of a stream that was started shortly before a position: what the words since then have not
   /// determined, such as the loops of the clock, is taken from `before`, an earlier state.
   void extrapolate(const RawStream& before) {
-    Codec::extrapolate(state_, before.state_);
+    WordCodec::extrapolate(state_, before.state_);
     damage_.take_heartbeat(before.damage_);
   }
 
   /// Returns whether `end`, decoded from `guess`, equals the result of decoding from `truth`, with the same events;
   /// corrects the counts in `end` that start at the beginning.
   [[nodiscard]] static bool is_confirmed(const RawStream& guess, const RawStream& truth, RawStream& end) {
-    return guess.state_ == truth.state_ && WordDamage<Codec>::is_confirmed(guess.damage_, truth.damage_, end.damage_);
+    return guess.state_ == truth.state_ &&
+           WordDamage<WordCodec>::is_confirmed(guess.damage_, truth.damage_, end.damage_);
   }
 
  private:
-  using Input = WordInput<Codec::kWordBytes>;
-  static constexpr size_t kWordBytes = Codec::kWordBytes;
+  using Input = WordInput<WordCodec::kWordBytes>;
+  static constexpr size_t kWordBytes = WordCodec::kWordBytes;
 
   Progress need_more(const Input& input) const { return {input.position, input.num_bytes() + 1}; }
 
@@ -100,17 +101,17 @@ class RawStream {
 
   template <typename Sink>
   size_t decode(Input& input, size_t count, Sink& sink) {
-    const typename Codec::State before = state_;
+    const typename WordCodec::State before = state_;
     size_t used = 0;
-    if constexpr (requires { Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
-      used = Codec::skip_events(input.data(), count, state_, limits_, skipped_, sink);
+    if constexpr (requires { WordCodec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
+      used = WordCodec::skip_events(input.data(), count, state_, limits_, skipped_, sink);
     }
-    if (used < count) used += Codec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
+    if (used < count) used += WordCodec::decode(input.data() + used * kWordBytes, count - used, state_, limits_, sink);
     if (const uint64_t outside = std::exchange(state_.num_outside, 0); outside > 0) {
       input.summary->add(Violation::kOutOfRange, input.byte(first_outside(input.data(), used, before)), outside);
     }
-    if constexpr (requires { Codec::count_reports(input.data(), used, state_, *input.summary); }) {
-      if (limits_.counts_reports) Codec::count_reports(input.data(), used, state_, *input.summary);
+    if constexpr (requires { WordCodec::count_reports(input.data(), used, state_, *input.summary); }) {
+      if (limits_.counts_reports) WordCodec::count_reports(input.data(), used, state_, *input.summary);
     }
     damage_.advance(input, used);
     return used;
@@ -119,13 +120,13 @@ class RawStream {
   /// The destination of the events of single words.
   struct WordSink {
     EventBatch batch;
-    ColumnSink sink{batch, Codec::kMaxEventsPerWord};
+    ColumnSink sink{batch, WordCodec::kMaxEventsPerWord};
 
     /// Decodes a word and returns its number of events and triggers inside the sensor.
-    size_t decode(const uint8_t* word, typename Codec::State& state, const SensorLimits& limits) {
+    size_t decode(const uint8_t* word, typename WordCodec::State& state, const SensorLimits& limits) {
       sink.count = 0;
       batch.triggers.clear();
-      Codec::decode_scalar(word, 1, state, limits, sink);
+      WordCodec::decode_scalar(word, 1, state, limits, sink);
       return sink.count + batch.triggers.size();
     }
   };
@@ -134,17 +135,17 @@ class RawStream {
   size_t resynchronise(const uint8_t* words, size_t count, DecodeSummary& summary) {
     WordSink dropped;
     size_t i = 0;
-    for (; i < count && !Codec::is_synchronised(state_); ++i) {
-      Codec::take_needed(words + i * kWordBytes, state_);
+    for (; i < count && !WordCodec::is_synchronised(state_); ++i) {
+      WordCodec::take_needed(words + i * kWordBytes, state_);
       const size_t inside = dropped.decode(words + i * kWordBytes, state_, limits_);
-      (Codec::has_time(state_) ? summary.events_unplaced : summary.events_before_time) +=
+      (WordCodec::has_time(state_) ? summary.events_unplaced : summary.events_before_time) +=
           inside + std::exchange(state_.num_outside, 0);
     }
     return i;
   }
 
   /// Returns the byte of the first word with an event outside the sensor, by decoding from `state` again.
-  size_t first_outside(const uint8_t* words, size_t count, typename Codec::State state) const {
+  size_t first_outside(const uint8_t* words, size_t count, typename WordCodec::State state) const {
     WordSink ignored;
     size_t i = 0;
     for (; i < count && state.num_outside == 0; ++i) ignored.decode(words + i * kWordBytes, state, limits_);
@@ -152,8 +153,8 @@ class RawStream {
   }
 
   SensorLimits limits_;
-  typename Codec::State state_;
-  WordDamage<Codec> damage_;
+  typename WordCodec::State state_;
+  WordDamage<WordCodec> damage_;
   TimeSpan skipped_;  ///< whose events are not needed
 };
 

@@ -134,18 +134,18 @@ struct CoarseClock {
 /// is a restart of the clock. This requires that three quarters of the following coarse times continue from it rather
 /// than from `last`. As many are considered as the decrease has steps, but at least kJudges and at most
 /// kRestartWitnesses; unexpected ones directly before it count, too.
-template <typename Codec>
+template <typename WordCodec>
 [[nodiscard]] Verdict judge_step_back(const uint8_t* words, size_t count, bool ended, uint32_t last,
-                                      const typename Codec::Check& check) {
-  constexpr uint32_t kMask = Codec::kClock.mask;
-  uint32_t chain = *Codec::coarse_time(words);
+                                      const typename WordCodec::Check& check) {
+  constexpr uint32_t kMask = WordCodec::kClock.mask;
+  uint32_t chain = *WordCodec::coarse_time(words);
   const uint32_t fall = (last - chain) & kMask;
-  if (fall < Codec::kClock.min_fall) return Verdict::kReject;
+  if (fall < WordCodec::kClock.min_fall) return Verdict::kReject;
   const size_t wanted = std::clamp<size_t>(fall, kJudges, kRestartWitnesses);
   const size_t seen = std::min(count, kJudgeWords);
   size_t counted = std::min<size_t>(check.num_rejected, wanted - 1), in_favour = counted;
   for (size_t i = 1; i < seen && counted < wanted; ++i) {
-    const std::optional<uint32_t> following = Codec::coarse_time(words + i * Codec::kWordBytes);
+    const std::optional<uint32_t> following = WordCodec::coarse_time(words + i * WordCodec::kWordBytes);
     if (!following) continue;
     ++counted;
     if (((*following - chain) & kMask) >= ((*following - last) & kMask)) continue;
@@ -160,21 +160,21 @@ template <typename Codec>
 /// Determines whether an unexpected coarse time, the first of `count` words, is correct, that is, if most of the
 /// following ones continue from it rather than from the time before it, which may be unknown. A step back is correct
 /// only as a restart of the clock.
-template <typename Codec>
+template <typename WordCodec>
 [[nodiscard]] Verdict judge_coarse_time(const uint8_t* words, size_t count, bool ended,
-                                        const typename Codec::Check& check) {
-  constexpr CoarseClock kClock = Codec::kClock;
-  const std::optional<uint32_t> last = Codec::coarse_time(check);
-  const uint32_t time = *Codec::coarse_time(words), before = last.value_or(time), half_circle = kClock.mask / 2 + 1;
+                                        const typename WordCodec::Check& check) {
+  constexpr CoarseClock kClock = WordCodec::kClock;
+  const std::optional<uint32_t> last = WordCodec::coarse_time(check);
+  const uint32_t time = *WordCodec::coarse_time(words), before = last.value_or(time), half_circle = kClock.mask / 2 + 1;
   const auto steps = [](uint32_t from, uint32_t to) { return (to - from) & kClock.mask; };
   if (steps(before, time) >= half_circle) {
-    return judge_step_back<Codec>(words, count, ended, before, check);
+    return judge_step_back<WordCodec>(words, count, ended, before, check);
   }
   const size_t wanted = kClock.believes_next && steps(before, time) == 1 ? 1 : kJudges;
   const size_t seen = std::min(count, kJudgeWords);
   size_t judges = 0, in_favour = 0;
   for (size_t i = 1; i < seen && judges < wanted; ++i) {
-    const std::optional<uint32_t> following = Codec::coarse_time(words + i * Codec::kWordBytes);
+    const std::optional<uint32_t> following = WordCodec::coarse_time(words + i * WordCodec::kWordBytes);
     if (!following) continue;
     ++judges;
     const uint32_t limit = last ? steps(before, *following) : check.after_damage ? kClock.near_steps : half_circle;
@@ -184,8 +184,8 @@ template <typename Codec>
   return 2 * in_favour > judges || judges == 0 ? Verdict::kAccept : Verdict::kReject;
 }
 
-/// A Codec is one of the three RAW encodings: words of fixed size, whose meaning depends on earlier words. RawStream
-/// decodes all of them through these static functions. `words` points to `count` words.
+/// A WordCodec is one of the three RAW encodings: words of fixed size, whose meaning depends on earlier words.
+/// RawStream decodes all of them through these static functions. `words` points to `count` words.
 ///
 ///   kWordBytes, kMaxEventsPerWord, kClock
 ///   State            the state of decoding

@@ -37,10 +37,10 @@ struct WordInput {
 /// Finds damage in RAW words, ahead of decoding. If a word is implausible, the following ones show whether it alone is
 /// damaged, and is then dropped, or whether bytes are missing, in which case the stream resumes where words are valid
 /// again.
-template <typename Codec>
+template <typename WordCodec>
 class WordDamage {
  public:
-  using Input = WordInput<Codec::kWordBytes>;
+  using Input = WordInput<WordCodec::kWordBytes>;
 
   enum class Step { kGoOn, kNeedMore, kEnd, kRestart };
 
@@ -48,7 +48,7 @@ class WordDamage {
 
   /// Finds the first valid words, at the start and after damage, and drops what precedes them. Returns false if more
   /// bytes are needed. `state` is that of decoding.
-  bool find_words(Input& input, typename Codec::State& state) {
+  bool find_words(Input& input, typename WordCodec::State& state) {
     return (started_ || start(input)) && (!lost_ || find_alignment(input, state));
   }
 
@@ -58,7 +58,7 @@ class WordDamage {
     if (input.stop != Input::kNoStop) words = std::min(words, input.num_words_to_stop() + kHoldWords);
     if (problem_ != Problem::kNone || checked_ >= words || checked_ > kHoldWords) return;
     const size_t count = std::min(words - checked_, kBlockWords);
-    const size_t good = Codec::check(input.data() + checked_ * kWordBytes, count, check_, limits_);
+    const size_t good = WordCodec::check(input.data() + checked_ * kWordBytes, count, check_, limits_);
     checked_ += good;
     if (good < count) problem_ = Problem::kUnresolved;
   }
@@ -72,19 +72,19 @@ class WordDamage {
   }
 
   /// Treats the next word, if none may be decoded.
-  Step next_step(Input& input, typename Codec::State& state) {
+  Step next_step(Input& input, typename WordCodec::State& state) {
     switch (problem_) {
       case Problem::kNone:
         if (checked_ < input.num_words()) return Step::kGoOn;
         return input.ended ? Step::kEnd : Step::kNeedMore;
       case Problem::kUnresolved:
-        return resolve(input, Codec::time(state));
+        return resolve(input, WordCodec::time(state));
       case Problem::kSkipWord:
-        Codec::drop_word(input.data(), state);
+        WordCodec::drop_word(input.data(), state);
         input.position += kWordBytes;
         break;
       case Problem::kBreak:
-        Codec::forget(state, check_);
+        WordCodec::forget(state, check_);
         [[fallthrough]];
       case Problem::kPadding:
         input.position += jump_;
@@ -110,12 +110,12 @@ class WordDamage {
   }
 
   /// Continues after a place where bytes are missing.
-  void pass_break(uint64_t byte, DecodeSummary& summary, typename Codec::State& state) {
+  void pass_break(uint64_t byte, DecodeSummary& summary, typename WordCodec::State& state) {
     summary.add(Violation::kMisaligned, byte);
-    open_gap(byte, Codec::time(state));
+    open_gap(byte, WordCodec::time(state));
     checked_ = keep_ = jump_ = 0;
     problem_ = Problem::kNone;
-    Codec::forget(state, check_);
+    WordCodec::forget(state, check_);
   }
 
   /// Counts the gap that the last break has opened, if there is one: decoding continues at this time.
@@ -151,7 +151,7 @@ class WordDamage {
   static constexpr size_t kBlockWords = 2048;
 
  private:
-  static constexpr size_t kWordBytes = Codec::kWordBytes;
+  static constexpr size_t kWordBytes = WordCodec::kWordBytes;
   static constexpr size_t kNone = SIZE_MAX;
 
   /// The values of the heartbeat at which it decided something: the nearest to the opposite answer on both sides.
@@ -167,7 +167,7 @@ class WordDamage {
     if (input.num_words() < kWindowWords && !input.ended) return false;
     started_ = true;
     const size_t window = std::min(input.num_words(), kMinWindowWords);
-    lost_ = window == kMinWindowWords && Codec::count_bad(input.data(), window, window) * 4 > window;
+    lost_ = window == kMinWindowWords && WordCodec::count_bad(input.data(), window, window) * 4 > window;
     if (lost_) input.summary->add(Violation::kMisaligned, input.byte(0));
     return true;
   }
@@ -192,16 +192,16 @@ class WordDamage {
   Step resolve_word(Input& input, int64_t time_us) {
     const uint8_t* word = input.data() + checked_ * kWordBytes;
     const size_t behind = input.num_words() - checked_ - 1;
-    if (const size_t padding = Codec::num_padding(word, behind + 1, check_); padding > 0) {
+    if (const size_t padding = WordCodec::num_padding(word, behind + 1, check_); padding > 0) {
       return jump(Problem::kPadding, (checked_ + padding) * kWordBytes);
     }
     const size_t window = std::min(behind, kWindowWords);
-    const size_t bad = Codec::count_bad(word + kWordBytes, window, kWindowBad + 1);
+    const size_t bad = WordCodec::count_bad(word + kWordBytes, window, kWindowBad + 1);
     const bool is_break = bad > std::max<size_t>(window * kWindowBad / kWindowWords, 1);
     if (is_break && !is_cut_by_zeros(input)) return begin_break(input, time_us);
-    const Violation fault = Codec::classify(word, check_, limits_);
+    const Violation fault = WordCodec::classify(word, check_, limits_);
     if (fault == Violation::kTimeBackwards || fault == Violation::kTimeJump) {
-      const Verdict verdict = Codec::judge_time(word, behind + 1, input.ended, check_);
+      const Verdict verdict = WordCodec::judge_time(word, behind + 1, input.ended, check_);
       if (verdict == Verdict::kNeedMore) return Step::kNeedMore;
       if (verdict == Verdict::kRestart) return jump(Problem::kRestart, checked_ * kWordBytes);
       if (verdict == Verdict::kAccept) {
@@ -209,7 +209,7 @@ class WordDamage {
         if (fault == Violation::kTimeBackwards) input.summary->add(fault, input.byte(checked_ * kWordBytes));
         return accept_time(input, word, time_us);
       }
-      if (Codec::coarse_time(word)) ++check_.num_rejected;
+      if (WordCodec::coarse_time(word)) ++check_.num_rejected;
     }
     input.summary->add_dropped(fault, input.byte(checked_ * kWordBytes));
     problem_ = Problem::kSkipWord;
@@ -243,8 +243,8 @@ class WordDamage {
 
   /// A jump in a stream with a heartbeat means that data are missing or that the clock starts again.
   Step accept_time(Input& input, const uint8_t* word, int64_t time_us) {
-    constexpr CoarseClock kClock = Codec::kClock;
-    const auto last = Codec::coarse_time(check_), next = Codec::coarse_time(word);
+    constexpr CoarseClock kClock = WordCodec::kClock;
+    const auto last = WordCodec::coarse_time(check_), next = WordCodec::coarse_time(word);
     const uint32_t steps = last && next ? (*next - *last) & kClock.mask : 0;
     if (steps > 1 && has_heartbeat()) {
       const int64_t step_us = int64_t{steps} << kClock.step_bits;
@@ -255,7 +255,7 @@ class WordDamage {
       input.summary->add(Violation::kTimeJump, byte);
       input.summary->add_gap({time_us, time_us + step_us, byte});
     }
-    Codec::accept_time(word, check_);
+    WordCodec::accept_time(word, check_);
     ++checked_;
     problem_ = Problem::kNone;
     return Step::kGoOn;
@@ -281,7 +281,8 @@ class WordDamage {
 
   [[nodiscard]] bool is_aligned(const uint8_t* data, size_t words) const {
     constexpr size_t kFirst = 8;
-    return Codec::count_bad(data, kFirst, 1) == 0 && Codec::count_bad(data, words, kResumeBad + 1) <= kResumeBad;
+    return WordCodec::count_bad(data, kFirst, 1) == 0 &&
+           WordCodec::count_bad(data, words, kResumeBad + 1) <= kResumeBad;
   }
 
   /// Returns the next offset >= `offset` at which words are valid within the first `end` bytes, or the first offset
@@ -310,7 +311,8 @@ class WordDamage {
     keep_ = checked_ - std::min<size_t>(checked_, 8);
     if (found && (jump_ - word) % kWordBytes != 0) {
       size_t begin = jump_;
-      while (begin >= kWordBytes && Codec::count_bad(input.data() + begin - kWordBytes, 1, 1) == 0) begin -= kWordBytes;
+      while (begin >= kWordBytes && WordCodec::count_bad(input.data() + begin - kWordBytes, 1, 1) == 0)
+        begin -= kWordBytes;
       keep_ = std::min(checked_, begin / kWordBytes);
     }
     input.summary->add(Violation::kMisaligned, input.byte(word));
@@ -364,7 +366,7 @@ class WordDamage {
   }
 
   /// Continues to search for valid words and drops everything before.
-  bool find_alignment(Input& input, typename Codec::State& state) {
+  bool find_alignment(Input& input, typename WordCodec::State& state) {
     if (problem_ == Problem::kBreak) return true;  // what was kept is decoded first
     bool found = false;
     size_t skipped = next_alignment(input, 0, input.num_bytes(), found);
@@ -381,12 +383,12 @@ class WordDamage {
     input.position += skipped;
     count_dropped(input, skipped);
     lost_ = !found && !input.ended;
-    if (found) Codec::forget(state, check_);
+    if (found) WordCodec::forget(state, check_);
     return !lost_;
   }
 
   SensorLimits limits_;
-  typename Codec::Check check_;
+  typename WordCodec::Check check_;
   size_t checked_ = 0;  ///< number of words from the position on that are valid
   Problem problem_ = Problem::kNone;
   size_t keep_ = 0;  ///< at a break: number of words to decode before it,

@@ -137,7 +137,8 @@ HWY_INLINE size_t take_masks(const uint8_t* words, size_t count, int64_t high_us
 }
 
 template <typename Words>
-size_t decode_words(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+size_t decode_words(const uint8_t* words, size_t count, TimedState& state, const SensorLimits& limits,
+                    ColumnSink& sink) {
   for (size_t i = 0; i < count;) {
     const uint8_t* word = words + i * Words::kWordBytes;
     const uint32_t head = Words::head_of(word);

@@ -59,12 +59,12 @@ inline uint32_t steps(uint32_t from, uint32_t to) {
   return (to - from) & kTimeHighMask;
 }
 
-struct State {
+struct TimedState {
   int64_t high_us = 0;           ///< time without its low 6 bits, including loops
   uint32_t time_high = kNoTime;  ///< the payload of the last TIME_HIGH word
   uint64_t num_outside = 0;      ///< events of vectors that were dropped because they are outside the sensor
   bool need_time_high = true;    ///< events are dropped until such a word has arrived
-  bool operator==(const State&) const = default;
+  bool operator==(const TimedState&) const = default;
 };
 
 struct Check {
@@ -77,7 +77,7 @@ struct Check {
 };
 
 /// Updates the time of the state with a TIME_HIGH word. Backward steps beyond jitter do not occur here.
-inline void take_time_high(uint32_t time_high, State& state) {
+inline void take_time_high(uint32_t time_high, TimedState& state) {
   if (state.time_high == kNoTime) {
     state.high_us = static_cast<int64_t>(time_high) << 6;
   } else {
@@ -87,10 +87,10 @@ inline void take_time_high(uint32_t time_high, State& state) {
   state.time_high = time_high;
 }
 
-/// The functions of a Codec (word_codec.h) except check() and decode(), for which it contains scalar references.
+/// The functions of a WordCodec (word_codec.h) except check() and decode(), for which it contains scalar references.
 template <Encoding kEncoding>
 struct Words {
-  using State = timed::State;
+  using State = TimedState;
   using Check = timed::Check;
   static constexpr size_t kWordBytes = kEncoding == Encoding::kEvt2 ? 4 : 8;
   static constexpr size_t kMaxEventsPerWord = kEncoding == Encoding::kEvt2 ? 1 : 32;
@@ -250,7 +250,7 @@ struct Words {
 /// The vector versions of Words::check_scalar() and decode_scalar() for one encoding.
 struct Kernels {
   size_t (*check)(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits);
-  size_t (*decode)(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink);
+  size_t (*decode)(const uint8_t* words, size_t count, TimedState& state, const SensorLimits& limits, ColumnSink& sink);
 };
 
 /// Returns those for this CPU, or the scalar references if it has no vector unit.
@@ -258,11 +258,12 @@ struct Kernels {
 
 /// EVT2 or EVT2.1 for RawStream; see word_codec.h.
 template <Encoding kEncoding>
-struct Codec : Words<kEncoding> {
+struct TimedWordCodec : Words<kEncoding> {
   static size_t check(const uint8_t* words, size_t count, Check& check, const SensorLimits& limits) {
     return kernels(kEncoding).check(words, count, check, limits);
   }
-  static size_t decode(const uint8_t* words, size_t count, State& state, const SensorLimits& limits, ColumnSink& sink) {
+  static size_t decode(const uint8_t* words, size_t count, TimedState& state, const SensorLimits& limits,
+                       ColumnSink& sink) {
     return kernels(kEncoding).decode(words, count, state, limits, sink);
   }
 };
