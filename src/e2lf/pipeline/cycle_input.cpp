@@ -42,6 +42,11 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
   return {};
 }
 
+double behind_s(const cycles::Cycle& cycle) {
+  if (!cycle.arrival) return 0;
+  return static_cast<double>(std::max<int64_t>(0, cycle.known_us - cycle.slices.back().end_us)) * 1e-6;
+}
+
 }  // namespace
 
 uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum) {
@@ -54,11 +59,6 @@ uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum)
   return saturated;
 }
 
-double behind_s(const cycles::Cycle& cycle) {
-  if (!cycle.arrival) return 0;
-  return static_cast<double>(std::max<int64_t>(0, cycle.known_us - cycle.slices.back().end_us)) * 1e-6;
-}
-
 Result<CycleInput> CycleInput::open(EventSource source, CycleInputOptions options) {
   E2LF_RETURN_IF_ERROR(check(options));
   CycleInput input(std::move(options));
@@ -67,7 +67,10 @@ Result<CycleInput> CycleInput::open(EventSource source, CycleInputOptions option
     return input;
   }
   CycleInputOptions observed = input.options_;
-  observed.cycles.on_batch = [rig = input.rig_](const recordings::EventBatch& batch) { rig->add(batch); };
+  observed.cycles.on_batch = [rig = input.rig_, next = input.options_.cycles.on_batch](const auto& batch) {
+    rig->add(batch);
+    if (next) next(batch);
+  };
   auto& recording = std::get<std::unique_ptr<recordings::RecordingReader>>(source);
   E2LF_ASSIGN_OR_RETURN(input.reader_, open_cycles(std::move(recording), observed));
   return input;

@@ -24,7 +24,7 @@ struct CycleImages {
   std::optional<cycles::Cycle> cycle;  ///< the last cycle, without its images; only for recordings
   cycles::CycleSource source = cycles::CycleSource::kAuto;  ///< what determines the times of its patterns
   CycleClock::time_point ready = CycleClock::now();  ///< when the images, or the last bytes of live input, arrived
-  double behind_s = 0;                               ///< see behind_s(); 0 for input that is not live
+  double behind_s = 0;  ///< from the end of the last pattern until the last bytes arrived; 0 unless live
   [[nodiscard]] bool is_live() const { return cycle && cycle->arrival; }
 };
 
@@ -113,10 +113,6 @@ class CycleInput {
 /// Adds the counts of another cycle to a sum of the same shape. Returns the number of events that were lost because the
 /// sum saturates at 16 bits.
 uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum);
-
-/// Returns the time from the end of the last pattern of a cycle until the bytes that completed it arrived, or 0 if the
-/// input is not live.
-[[nodiscard]] double behind_s(const cycles::Cycle& cycle);
 
 /// Returns the schedule of a recording. Fails as recorded_setup() does.
 [[nodiscard]] Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice,

@@ -22,7 +22,8 @@ namespace {
 constexpr double kCameraRatio = 1.2;    // ratio of the error to that with the network's camera
 constexpr double kChangedRatio = 0.97;  // ratio of the error of changed events to that of the given ones
 constexpr double kClearRatio = 0.8;     // the same if the given events are explained as well as noise permits
-constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;     // range of `ratio` for correct events
+constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
+constexpr const char* kInverted = "polarity-better-inverted";
 constexpr size_t kMostSideSearched = 512, kMostSideOfChanged = 192;  // px
 
 /// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
@@ -58,9 +59,8 @@ struct Change {
 };
 
 Change inversion() {
-  return {"polarity-better-inverted", "with inverted polarity",
-          "exchange ON and OFF events, or do not if this was asked for", "invert_polarity",
-          [](capture::EventImages events) {
+  return {kInverted, "with inverted polarity", "exchange ON and OFF events, or do not if this was asked for",
+          "invert_polarity", [](capture::EventImages events) {
             for (int16_t& count : events.values) count = capture::saturated(-count);
             return events;
           }};
@@ -98,11 +98,17 @@ Result<double> error_of(const recon::Method& method, const recon::EventCheck& ch
   return error.least;
 }
 
+/// A mistake that would explain the events better than none, and whether by so much that nothing else need explain it.
+struct BetterChange {
+  Finding finding;
+  bool is_clear = false;
+};
+
 /// Returns the mistake that would explain the events better than none, if there is one, and adds what was tried. One
 /// correct scene in twenty is explained slightly better in another order, so that a clear difference is required if the
 /// events are explained as well as their noise allows.
-Result<std::optional<Finding>> better_change(const FieldCheck& check, const Explanation& explained,
-                                             const capture::EventImages& events, Json& tried) {
+Result<std::optional<BetterChange>> better_change(const FieldCheck& check, const Explanation& explained,
+                                                  const capture::EventImages& events, Json& tried) {
   const size_t side = std::min({events.height, events.width, kMostSideOfChanged});
   const recon::EventCheck own =
       in_window(check.camera(), static_cast<double>(side) / static_cast<double>(events.width));
@@ -117,7 +123,7 @@ Result<std::optional<Finding>> better_change(const FieldCheck& check, const Expl
   const Change* best = nullptr;
   double least = 0;
   for (const Change& change : changes) {
-    if (stop_requested()) return std::optional<Finding>();
+    if (stop_requested()) return std::optional<BetterChange>();
     E2LF_ASSIGN_OR_RETURN(const double error, error_of(check.method(), own, change.apply(given)));
     tried[change.name] = error / unchanged;
     if (best != nullptr && error >= least) continue;
@@ -126,17 +132,19 @@ Result<std::optional<Finding>> better_change(const FieldCheck& check, const Expl
   }
   const bool is_explained = explained.ratio >= kLeastExplained && explained.ratio <= kMostExplained;
   if (best == nullptr || least >= (is_explained ? kClearRatio : kChangedRatio) * unchanged) {
-    return std::optional<Finding>();
+    return std::optional<BetterChange>();
   }
   const auto rounded = [](double value) { return std::round(1000 * value) / 1000; };
-  return std::optional(
-      Finding{best->code,
-              Severity::kError,
-              cat("the events are explained better ", best->name, ": the light field differs from them by ",
-                  rounded(least), " instead of ", rounded(unchanged)),
-              best->remedy,
-              {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}},
-              best->option});
+  Finding finding{best->code,
+                  Severity::kError,
+                  cat("the events are explained better ", best->name, ": the light field differs from them by ",
+                      rounded(least), " instead of ", rounded(unchanged)),
+                  best->remedy,
+                  {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}},
+                  best->option};
+  // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
+  const bool is_clear = finding.code == kInverted || least < kClearRatio * unchanged;
+  return std::optional(BetterChange{std::move(finding), is_clear});
 }
 
 /// Returns the finding that the camera of the network explains the events much better than the one that was given.
@@ -173,13 +181,9 @@ Result<RigSearch> search_rig(const OpenedMethod& method, const FieldCheck& check
   }
   E2LF_ASSIGN_OR_RETURN(auto change, better_change(check, explained, cycle, found.changes));
   auto places = diagnose::check_places(sum, check.camera().codes, check.camera().pixels);
-  // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
-  const bool is_clear =
-      change && (change->code == "polarity-better-inverted" ||
-                 change->figures["error"] < kClearRatio * change->figures["unchanged_error"].get<double>());
-  const bool is_of_places = places && !is_clear && (places->severity != Severity::kNote || !change);
+  const bool is_of_places = places && !(change && change->is_clear) && (places->severity != Severity::kNote || !change);
   if (is_of_places) found.findings.push_back(std::move(*places));
-  if (change && !is_of_places) found.findings.push_back(std::move(*change));
+  if (change && !is_of_places) found.findings.push_back(std::move(change->finding));
   return found;
 }
 

@@ -177,7 +177,7 @@ struct Overview {
   uint64_t num_events = 0;
   int64_t begin_us = 0, end_us = 0;
   recordings::EventRate rate = {};
-  Json triggers = Json::array();
+  std::vector<recordings::Trigger> triggers = {};
 };
 
 Result<Overview> survey(const RecordingSource& source, const std::string& name) {
@@ -192,7 +192,7 @@ Result<Overview> survey(const RecordingSource& source, const std::string& name) 
     for (const uint16_t x : batch.events.x) overview.width = std::max<size_t>(overview.width, x + 1U);
     for (const uint16_t y : batch.events.y) overview.height = std::max<size_t>(overview.height, y + 1U);
     for (const recordings::Trigger& trigger : batch.triggers) {
-      if (overview.triggers.size() < kMostTriggers) overview.triggers.push_back({trigger.t, trigger.p, trigger.id});
+      if (overview.triggers.size() < kMostTriggers) overview.triggers.push_back(trigger);
     }
   }
   const recordings::DecodeSummary summary = reader->summary();
@@ -207,7 +207,6 @@ Result<Overview> survey(const RecordingSource& source, const std::string& name) 
   overview.begin_us = summary.first_t_us;
   overview.end_us = summary.last_t_us + 1;
   overview.rate = counter.rate();
-  for (Json& trigger : overview.triggers) trigger[0] = trigger[0].get<int64_t>() - overview.begin_us;
   return overview;
 }
 
@@ -299,6 +298,10 @@ Result<void> add_recording(Document& document, const std::string& name, const Re
   Frames frames(document, overview, num_frames);
   const Json cycles = found_cycles(source, overview.begin_us, frames);
   E2LF_RETURN_IF_ERROR(add_remaining(source, overview, frames));
+  Json triggers = Json::array();
+  for (const recordings::Trigger& trigger : overview.triggers) {
+    triggers.push_back({trigger.t - overview.begin_us, trigger.p, trigger.id});
+  }
   document.add_item({{"kind", "recording"},
                      {"name", name},
                      {"format", overview.info.format},
@@ -312,7 +315,7 @@ Result<void> add_recording(Document& document, const std::string& name, const Re
                        {"bin_us", overview.rate.bin_us},
                        {"on", overview.rate.on},
                        {"off", overview.rate.off}}},
-                     {"triggers", overview.triggers},
+                     {"triggers", triggers},
                      {"cycles", cycles}});
   return {};
 }

@@ -175,6 +175,12 @@ Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags&
   return pipeline::open_cycles(std::move(recording), options);
 }
 
+Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const CycleFlags& flags, const Verb& verb) {
+  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(input, flags, verb));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInputOptions options, cycle_input_options(input, flags));
+  return pipeline::CycleInput::open(std::move(events), std::move(options));
+}
+
 void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
   add_count(app, "--fuse", most_cycles, 1, recon::kMostFusedCycles,
             cat("make a ", result,

@@ -69,4 +69,8 @@ void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 [[nodiscard]] Result<pipeline::EventSource> open_events(const std::filesystem::path& input, const CycleFlags& flags,
                                                         const Verb& verb);
 
+/// Opens these and divides a recording into cycles. Fails as open_events() and pipeline::CycleInput::open() do.
+[[nodiscard]] Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
+                                                            const Verb& verb);
+
 }  // namespace e2lf::cli

@@ -44,11 +44,10 @@ struct CyclePlot {
   }
 };
 
-/// Lets the progress bar, the check of the rig and, unless it is null, the plot see what is read.
-void observe(cycles::CycleOptions& options, ProgressBar& bar, diagnose::RigCheck& rig, CyclePlot* plot) {
+/// Lets the progress bar and, unless it is null, the plot see what is read.
+void observe(cycles::CycleOptions& options, ProgressBar& bar, CyclePlot* plot) {
   options.on_batch = [&, plot, events = size_t{0}](const recordings::EventBatch& batch) mutable {
     events += batch.events.size();
-    rig.add(batch);
     bar.update(events, 0);
     if (plot != nullptr) plot->rate.add(batch);
   };
@@ -148,8 +147,15 @@ std::string cycle_curve(const Json& cycles, const char* member, const char* labe
   return report::chart_svg(chart);
 }
 
-Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const Json& cycles, const CyclePlot& plot,
-                                 const std::optional<capture::EventImages>& first) {
+/// What was read of a recording, for its report.
+struct ReadCycles {
+  CyclePlot plot;
+  Json each = Json::array();
+  std::optional<capture::EventImages> first;
+};
+
+Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const ReadCycles& read) {
+  const auto& [plot, cycles, first] = read;
   report::Page page = verb_page(cat("Pattern cycles in ", input.string()));
   page.facts(facts).heading("Events over time").drawing(report::chart_svg(rate_chart(plot.rate.rate(), plot.found)));
   if (first) {
@@ -165,6 +171,55 @@ Result<report::Page> cycles_page(const fs::path& input, const Json& facts, const
   return page;
 }
 
+Result<void> write_report(const fs::path& path, const pipeline::CycleInput& input, const ReadCycles& read,
+                          ReportOutput& reports) {
+  const std::vector<recordings::Loss> losses = recordings::losses(input.summary());
+  const Json facts = {{"recording", path.string()},
+                      {"source", word_of(input.reader().source(), kCycleSources)},
+                      {"found", report_json(input.rig(), input.reader())},
+                      {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
+  E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(path, facts, read));
+  return reports.write(page);
+}
+
+/// Returns the setup to store with the event images. Warns if sources state different patterns.
+Result<capture::RecordedSetup> setup_of(const AccumulateArguments& arguments,
+                                        const std::optional<capture::Codes>& codes, const cycles::CycleReader& reader) {
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
+  setup.views = arguments.orientation.after(setup.views);
+  E2LF_RETURN_IF_ERROR(compare_codes(arguments, codes, reader));
+  return setup;
+}
+
+/// Writes the event images of all cycles.
+Result<void> write_cycles(const AccumulateArguments& arguments, const capture::RecordedSetup& setup,
+                          pipeline::CycleInput& input, capture::EventImageWriter& writer, SceneCheck& scene,
+                          ReadCycles& read) {
+  LiveLog live_log;
+  for (;;) {
+    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::CycleImages> next, input.next());
+    if (!next) break;
+    const cycles::Cycle& cycle = *next->cycle;
+    const capture::EventImages& images = next->images.events;
+    if (writer.cycles() == 0) {
+      read.first = images;
+      E2LF_RETURN_IF_ERROR(keep_setup_of(arguments.input, arguments.codes, setup, images.count, writer));
+    }
+    scene.add(images);
+    E2LF_RETURN_IF_ERROR(writer.add(images));
+    read.each.push_back(cycle_json(cycle));
+    if (cycle.arrival) {
+      const double latency_s = next->behind_s + seconds_since(*cycle.arrival);
+      read.each.back()["latency_s"] = latency_s;
+      live_log.add(cycle.number, cycle.events, latency_s);
+    }
+    read.plot.add(cycle);
+  }
+  hide_progress();
+  live_log.finish(input.reader().report());
+  return {};
+}
+
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   if (arguments.output.extension() != ".npz") {
@@ -176,10 +231,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record(verb);
-  CyclePlot plot;
-  std::optional<capture::EventImages> first;  // for the report
+  ReadCycles read;
   SceneCheck scene;
-  diagnose::RigCheck rig;
   // For live input, the log has a line for each cycle instead.
   ProgressBar bar("accumulate", common.quiet || is_live(arguments.input), "events");
   std::optional<capture::Codes> codes;
@@ -189,68 +242,38 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   CycleFlags flags = arguments.cycles;
   flags.choice = pipeline::wanted_schedule(flags.choice, {.codes = codes});
-  observe(flags.options, bar, rig, reports.is_wanted() ? &plot : nullptr);
-  E2LF_ASSIGN_OR_RETURN(cycles::CycleReader reader, open_cycles(arguments.input, flags));
+  observe(flags.options, bar, reports.is_wanted() ? &read.plot : nullptr);
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb));
   E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
-  setup.views = arguments.orientation.after(setup.views);
-  E2LF_RETURN_IF_ERROR(compare_codes(arguments, codes, reader));
-  LiveLog live_log;
-  Json cycles = Json::array();
-  while (arguments.cycles.max_cycles == 0 || writer->cycles() < arguments.cycles.max_cycles) {
-    E2LF_ASSIGN_OR_RETURN(std::optional<cycles::Cycle> cycle, reader.next());
-    if (!cycle) break;
-    cycle->confidence = rig.add(*cycle, reader.options());
-    if (reports.is_wanted() && !first) first = cycle->images;
-    if (writer->cycles() == 0) {
-      E2LF_RETURN_IF_ERROR(keep_setup_of(arguments.input, arguments.codes, setup, cycle->images.count, *writer));
-    }
-    scene.add(cycle->images);
-    E2LF_RETURN_IF_ERROR(writer->add(cycle->images));
-    cycles.push_back(cycle_json(*cycle));
-    if (cycle->arrival) {
-      const double latency_s = pipeline::behind_s(*cycle) + seconds_since(*cycle->arrival);
-      cycles.back()["latency_s"] = latency_s;
-      live_log.add(cycle->number, cycle->events, latency_s);
-    }
-    if (reports.is_wanted()) plot.add(*cycle);
-  }
+  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, setup_of(arguments, codes, input.reader()));
+  E2LF_RETURN_IF_ERROR(write_cycles(arguments, setup, input, *writer, scene, read));
   record.end_step("accumulate");
-  hide_progress();
-  const cycles::CycleReport report = reader.report();
-  live_log.finish(report);
-  const recordings::DecodeSummary summary = reader.summary();
+  const cycles::CycleReader& reader = input.reader();
+  const recordings::DecodeSummary summary = input.summary();
   warn_of_losses(arguments.input, summary);
   verb.set_failed_input(summary.live.failure);
   // The report is written first, because it shows why no cycle was found.
-  if (reports.is_wanted()) {
-    const std::vector<recordings::Loss> losses = recordings::losses(summary);
-    const Json facts = {{"recording", arguments.input.string()},
-                        {"source", word_of(reader.source(), kCycleSources)},
-                        {"found", report_json(rig, reader)},
-                        {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
-    E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(arguments.input, facts, cycles, plot, first));
-    E2LF_RETURN_IF_ERROR(reports.write(page));
-  }
-  if (writer->cycles() == 0) return no_cycle_error(arguments.input, rig, reader);
-  diagnose::Findings findings = rig.findings(reader);
+  if (reports.is_wanted()) E2LF_RETURN_IF_ERROR(write_report(arguments.input, input, read, reports));
+  if (writer->cycles() == 0) return no_cycle_error(arguments.input, input.rig(), reader);
+  diagnose::Findings findings = input.rig().findings(reader);
   scene.judge(setup, findings);
   diagnose::log_findings(arguments.input.string(), findings);
   E2LF_RETURN_IF_ERROR(writer->finish(diagnose::to_text(findings)));
   record.resolve("source", word_of(reader.source(), kCycleSources));
-  record.note("cycles", report_json(rig, reader));
-  const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(cycles)}};
+  Json json = report_json(input.rig(), reader);
+  record.note("cycles", json);
+  const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(read.each)}};
   record.note(found);
   record.note(reading_notes(arguments.input, reader.recording().info()));
   if (setup.views) record.note("views", capture::orientation_name(*setup.views));
   record.add_input(arguments.input);
   E2LF_RETURN_IF_ERROR(commit(output, record));
-  Json json = report_json(rig, reader);
   json["findings"] = diagnose::to_json(findings);
   json.update(found);
-  print_result(common, json,
-               cat(rig.triggers_text(reader.schedule()), "\n", report_text(report), " in ", arguments.output.string(),
-                   formatted(", least confidence %.2f\n", double{rig.least_confidence()})));
+  print_result(
+      common, json,
+      cat(input.rig().triggers_text(reader.schedule()), "\n", report_text(reader.report()), " in ",
+          arguments.output.string(), formatted(", least confidence %.2f\n", double{input.rig().least_confidence()})));
   return {};
 }
 

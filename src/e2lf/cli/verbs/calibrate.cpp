@@ -36,9 +36,7 @@ struct CalibrateArguments {
 /// input before has stated.
 Result<calibrate::StillScene> read_scene(const fs::path& path, const CycleFlags& flags, const Verb& verb,
                                          RunRecord& record, std::optional<capture::Codes>& codes) {
-  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(path, flags, verb));
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInputOptions options, cycle_input_options(path, flags));
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, pipeline::CycleInput::open(std::move(events), std::move(options)));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(path, flags, verb));
   if (input.measurement() != capture::MeasurementKind::kEventImages) {
     return fail(ErrorCode::kInvalidValue, path, "a calibration requires event images, but this is the measurement ",
                 capture::measurement_name(input.measurement()), "; give a recording or event images");

@@ -157,11 +157,9 @@ Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
   CycleFlags flags = arguments.cycles;
   flags.choice = pipeline::wanted_schedule(flags.choice, choice);
-  E2LF_ASSIGN_OR_RETURN(const pipeline::CycleInputOptions options, cycle_input_options(arguments.input, flags));
   std::optional<Deadline> deadline;
   if (is_live(arguments.input)) deadline.emplace(arguments.seconds);
-  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(arguments.input, flags, verb));
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, pipeline::CycleInput::open(std::move(events), options));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb));
   E2LF_ASSIGN_OR_RETURN(const RigReport report,
                         pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); }));
   Json json = rig_json(report);
