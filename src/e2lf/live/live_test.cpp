@@ -41,6 +41,21 @@ TEST(NewestSlot, HoldsTheNewestValueAloneAndSaysWhatWasNeverTaken) {
   EXPECT_FALSE(slot.take(value));
 }
 
+TEST(Published, AWaitEndsWithTheWantedValueThePatienceOrTheEnd) {
+  Published<int> values;
+  const auto is_two = [](int value) { return value == 2; };
+  EXPECT_EQ(values.wait(milliseconds(0), is_two), nullptr);
+  values.put(std::make_shared<int>(1));
+  EXPECT_EQ(values.wait(milliseconds(1), is_two), nullptr);
+  EXPECT_EQ(*values.newest(), 1);
+  std::thread writer([&] { values.put(std::make_shared<int>(2)); });
+  EXPECT_EQ(*values.wait(seconds(60), is_two), 2);
+  writer.join();
+  values.close();
+  EXPECT_EQ(values.wait(seconds(60), [](int value) { return value == 3; }), nullptr);
+  EXPECT_EQ(*values.wait(seconds(60), is_two), 2) << "what is there can still be taken";
+}
+
 TEST(NewestSlot, EveryValueIsEitherTakenOrCountedAndTheyComeInOrder) {
   NewestSlot<int> slot;
   constexpr int kValues = 20'000;

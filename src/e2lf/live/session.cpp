@@ -4,48 +4,12 @@
 #include "e2lf/base/guarded.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/lightfield/views.h"
-#include "e2lf/pipeline/event_depth.h"
 
 namespace e2lf::live {
 
 namespace {
 
 constexpr uint64_t kFirstCycles = 20;
-
-/// Returns the figures of a light field or map that is complete now.
-FieldReport report_of(const LiveCycle& cycle, const QualityLevel& level, double reconstruct_s) {
-  return {0,
-          cycle.number,
-          cycle.begin_us,
-          cycle.cycles,
-          cycle.fused_cycles,
-          cycle.events,
-          cycle.confidence,
-          level,
-          reconstruct_s,
-          seconds_since(cycle.last_event)};
-}
-
-/// The event images in the resolution of a picture, and how many values of the camera each count sums unless they are
-/// fused.
-struct SizedImages {
-  const capture::EventImages& events;
-  capture::MeasurementView measured;
-  size_t samples;
-};
-
-/// `memory` is that of images that are smaller than those of the cycle.
-SizedImages images_of(const LiveCycle& cycle, PictureSize size, bool takes_fused, SizedMemory& memory) {
-  const size_t side = block_side(size);
-  const bool is_fused = takes_fused && !cycle.fused.is_empty();
-  if (side > 1) sum_blocks(cycle.images, side, memory.sums);
-  if (side > 1 && is_fused) fuse_blocks(cycle.fused, side, memory.fused);
-  const capture::EventImages& events = side > 1 ? memory.sums : cycle.images;
-  const capture::MeasurementView measured =
-      is_fused ? capture::MeasurementView(events, side > 1 ? memory.fused : cycle.fused) : events;
-  return {events, measured, cycle.cycles * side * side};
-}
 
 /// Returns the finding that a thread ended early. The other threads go on, so that a recording is completed.
 diagnose::Finding step_failed(const char* step, const Error& error) {
@@ -65,12 +29,10 @@ bool is_recent(Clock::rep asked) {
 
 Session::Session(std::unique_ptr<LiveReader> reader, std::vector<FieldMaker> makers, SessionOptions options)
     : reader_(std::move(reader)),
-      makers_(std::move(makers)),
       options_(std::move(options)),
-      pace_(pace_of(options_.size)),
-      named_size_(options_.size),
-      tone_(options_.tone) {
-  if (options_.depth) depth_maker_.emplace(*options_.depth);
+      networks_(std::move(makers), options_.views),
+      tuning_(networks_.pace(options_.size), options_.size, options_.tone) {
+  if (options_.depth) depth_.emplace(*options_.depth, options_.views);
 }
 
 Session::~Session() {
@@ -94,7 +56,8 @@ void Session::start() {
       "display", [this] { show(); },
       [this] {
         has_ended_ = true;
-        picture_changed_.notify_all();
+        pictures_.close();
+        if (depth_) depth_->maps().close();
       });
 }
 
@@ -103,7 +66,7 @@ std::thread Session::start_step(const char* step, Work work, AtEnd at_end) {
   return guarded_thread(
       std::move(work),
       [this, step](const Error& error) {
-        fail(error);
+        tuning_.fail(error);
         reader_->add_findings({step_failed(step, error)});
       },
       std::move(at_end));
@@ -111,21 +74,15 @@ std::thread Session::start_step(const char* step, Work work, AtEnd at_end) {
 
 Result<void> Session::wait() {
   join();
-  const std::lock_guard lock(settings_mutex_);
-  if (error_) return *error_;
+  if (auto error = tuning_.error()) return *std::move(error);
   return {};
-}
-
-void Session::fail(const Error& error) {
-  const std::lock_guard lock(settings_mutex_);
-  if (!error_) error_ = error;
 }
 
 void Session::read() {
   LiveCycle cycle;
   for (;;) {
     const Result<bool> more = reader_->next(cycle);
-    if (!more) fail(more.error());
+    if (!more) tuning_.fail(more.error());
     if (!more || !*more) break;
     if (slot_.put(cycle)) reader_->statistics().add_skipped();
   }
@@ -133,7 +90,7 @@ void Session::read() {
 
 /// Completes the recording and lets the reconstruction end, however the reading ended.
 void Session::end_reading() {
-  if (const auto ended = guarded([this] { return reader_->recorder().end(); }); !ended) fail(ended.error());
+  if (const auto ended = guarded([this] { return reader_->recorder().end(); }); !ended) tuning_.fail(ended.error());
   slot_.close();
 }
 
@@ -142,7 +99,7 @@ void Session::reconstruct(LiveField field) {
   while (slot_.take(cycle)) {
     if (has_depth() && is_recent(depth_asked_)) {
       const Result<FieldReport> made = guarded([&] { return make_depth(cycle); });
-      if (!made) fail(made.error());
+      if (!made) tuning_.fail(made.error());
       // A cycle that is shown in both ways counts once.
       if (!is_recent(picture_asked_)) {
         made ? reader_->statistics().add_field(made->latency_s, made->reconstruct_s, made->level.size)
@@ -153,7 +110,7 @@ void Session::reconstruct(LiveField field) {
     const Result<void> made = guarded([&] { return make(cycle, field); });
     // An error of the reconstruction must not stop the reading, which also writes the recording.
     if (!made) {
-      fail(made.error());
+      tuning_.fail(made.error());
       reader_->statistics().add_skipped();
       continue;
     }
@@ -178,61 +135,24 @@ void Session::end_reconstruction() {
 }
 
 Result<FieldReport> Session::make_depth(const LiveCycle& cycle) {
-  const Clock::time_point begin = Clock::now();
-  auto next = std::make_shared<ShownDepth>();
-  QualityLevel level;
-  {
-    const std::lock_guard lock(settings_mutex_);
-    level.size = named_size_.value_or(PictureSize::kHalf);
-  }
-  FieldMaker& maker = *depth_maker_;
-  const auto [events, measured, samples] = images_of(cycle, level.size, maker.takes_fused(), depth_sized_);
-  E2LF_RETURN_IF_ERROR(maker.make(measured, samples, {}, depth_outputs_));
-  E2LF_ASSIGN_OR_RETURN(
-      pipeline::EventDepth found,
-      pipeline::depth_of_outputs(maker.reconstructor().model(), depth_outputs_, events, samples, options_.views));
-  for (float& value : found.map.disparity.pixels) value *= static_cast<float>(block_side(level.size));
-  next->disparity = std::move(found.map.disparity);
-  next->confidence = std::move(found.map.confidence);
-  next->picture = std::move(found.picture);
-  const LightFieldOutput bright(next->picture.pixels.data(), {1, 1, next->picture.height, next->picture.width, 1});
-  recon::apply_tone(bright, 0, recon::auto_gain(bright));
-  next->field = report_of(cycle, level, seconds_since(begin));
-  if (has_ended_) next->field.latency_s = 0;
-  const FieldReport report = next->field;
-  {
-    const std::lock_guard lock(picture_mutex_);
-    next->field.serial = depth_ ? depth_->field.serial + 1 : 1;
-    depth_ = std::move(next);
-  }
-  picture_changed_.notify_all();
-  return report;
+  return depth_->make(cycle, tuning_.named_size().value_or(PictureSize::kHalf), has_ended_);
 }
 
 std::shared_ptr<const ShownDepth> Session::depth(uint64_t after, std::chrono::milliseconds patience) {
   if (!has_depth()) return nullptr;
   depth_asked_ = Clock::now().time_since_epoch().count();
-  const auto is_wanted = [&] { return depth_ && depth_->field.serial > after; };
-  std::unique_lock lock(picture_mutex_);
-  if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
-  if (has_ended_ && !is_wanted()) {
-    lock.unlock();
-    complete_depth();
-    lock.lock();
-  }
-  return is_wanted() ? depth_ : nullptr;
-}
-
-/// Computes the disparities of the last cycle if they are missing. The threads must have ended.
-void Session::complete_depth() {
-  const std::lock_guard one(maker_mutex_);
+  const auto is_wanted = [&](const ShownDepth& map) { return map.field.serial > after; };
+  auto map = depth_->maps().wait(patience, is_wanted);
+  if (map || !has_ended_) return map;
+  // The threads have ended: this one makes the map of the last cycle if it is missing.
   LiveCycle cycle;
   {
-    const std::scoped_lock lock(picture_mutex_, field_mutex_);
-    if (shown_.serial == 0 || (depth_ && depth_->field.cycle >= shown_.cycle.number)) return;
+    const std::lock_guard lock(field_mutex_);
+    if (shown_.serial == 0) return nullptr;
     cycle = shown_.cycle;
   }
-  if (const Result<FieldReport> made = make_depth(cycle); !made) fail(made.error());
+  if (const Result<FieldReport> made = make_depth(cycle); !made) tuning_.fail(made.error());
+  return depth_->maps().wait({}, is_wanted);
 }
 
 /// Prepares the network and its memory before the source is read, so that the first cycles are not late. An error would
@@ -248,11 +168,8 @@ LiveField Session::prepare() {
     dark.fused = {dark.images, Planes<float>(1, info.height, info.width)};
     std::ranges::fill(dark.fused.cycles.values, 1.0F);
   }
-  {
-    const std::lock_guard lock(settings_mutex_);
-    field.level = pace_.level();
-  }
-  (void)make_views(dark, false, field);
+  field.level = tuning_.level();
+  (void)networks_.make(dark, false, field);
   return field;
 }
 
@@ -260,37 +177,24 @@ Result<void> Session::make(LiveCycle& cycle, LiveField& field) {
   const Clock::time_point begin = Clock::now();
   const bool is_late = seconds_since(cycle.last_event) > LateCycles::most_s(cycle.cycle_s);
   const bool has_events = !capture::is_without_events(cycle.images);
-  bool finds_tone = false;
   // The check would take the processors from the first cycles, whose pace determines the size.
   if (made_ >= kFirstCycles) begin_check(cycle, false);
-  {
-    const std::lock_guard lock(settings_mutex_);
-    field.level = pace_.level();
-    finds_tone = has_events && (!tone_.gain || !tone_.black);
-  }
+  field.level = tuning_.level();
+  const bool finds_tone = has_events && tuning_.finds_tone();
   choose_views(field);
   // The tone is that of the exact values.
   if (finds_tone) field.views.clear();
-  E2LF_RETURN_IF_ERROR(make_views(cycle, finds_tone, field));
+  E2LF_RETURN_IF_ERROR(networks_.make(cycle, finds_tone, field));
   const double cycle_s = cycle.cycle_s;
   std::swap(field.cycle, cycle);
   field.reconstruct_s = seconds_since(begin);
   field.serial = ++made_;
 
-  std::unique_lock lock(settings_mutex_);
-  const bool changes = field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s, is_late);
-  const QualityLevel level = pace_.level();
-  // As pipeline::FieldSequence determines the brightness.
-  if (finds_tone && !tone_.black) tone_.black = recon::auto_black(field.light_field);
-  const bool finds_gain = finds_tone && !tone_.gain;
-  if (finds_gain) tone_.gain = recon::auto_gain(field.light_field, *tone_.black);
-  field.black = tone_.black.value_or(0.0F);
-  field.gain = tone_.gain.value_or(1.0F);
-  lock.unlock();
-  if (finds_gain && options_.judge_gain) {
-    if (auto unusual = options_.judge_gain(field.gain)) reader_->add_findings({std::move(*unusual)});
+  const Tuning::Change change = tuning_.add(cycle_s, is_late, finds_tone, field);
+  if (change.gain && options_.judge_gain) {
+    if (auto unusual = options_.judge_gain(*change.gain)) reader_->add_findings({std::move(*unusual)});
   }
-  if (changes && options_.on_level) options_.on_level(level);
+  if (change.level && options_.on_level) options_.on_level(*change.level);
   return {};
 }
 
@@ -317,15 +221,6 @@ void Session::choose_views(LiveField& field) {
   field.views = needs_all ? std::vector<size_t>() : views_of(grid, render_settings_);
 }
 
-Result<void> Session::make_views(const LiveCycle& cycle, bool exactly, LiveField& field) {
-  const std::lock_guard lock(maker_mutex_);
-  FieldMaker& maker = makers_[field.level.network];
-  const auto [events, measured, samples] = images_of(cycle, field.level.size, maker.takes_fused(), sized_);
-  E2LF_RETURN_IF_ERROR(maker.make(measured, samples, field.views, field.light_field, exactly));
-  if (!options_.views.is_upright()) lightfield::orient(field.light_field, options_.views);
-  return {};
-}
-
 void Session::show() {
   uint64_t serial = 0;
   for (;;) {
@@ -349,11 +244,7 @@ void Session::show() {
     }
     next->serial = ++serial;
     const FieldReport report = next->field;
-    {
-      const std::lock_guard lock(picture_mutex_);
-      picture_ = std::move(next);
-    }
-    picture_changed_.notify_all();
+    pictures_.put(std::move(next));
     if (!is_new) continue;
     reader_->statistics().add_field(report.latency_s, report.reconstruct_s, report.level.size);
     if (options_.on_field) options_.on_field(report);
@@ -372,12 +263,13 @@ std::shared_ptr<const ShownPicture> Session::picture(const RenderSettings& setti
     }
   }
   field_changed_.notify_one();
-  const auto is_wanted = [&] { return picture_ && picture_->serial > after && picture_->settings == settings; };
-  std::unique_lock lock(picture_mutex_);
-  if (!has_ended_) picture_changed_.wait_for(lock, patience, is_wanted);
-  if (is_wanted()) return picture_;
-  if (!picture_ || picture_->settings == settings) return nullptr;
-  const std::lock_guard field_lock(field_mutex_);
+  const auto is_wanted = [&](const ShownPicture& picture) {
+    return picture.serial > after && picture.settings == settings;
+  };
+  if (auto picture = pictures_.wait(patience, is_wanted)) return picture;
+  const std::lock_guard lock(field_mutex_);
+  const auto newest = pictures_.newest();
+  if (!newest || newest->settings == settings) return nullptr;
   if (!has_views(shown_, views_of(shown_.light_field.shape(), settings)) && !complete()) return nullptr;
   if (!has_ended_) {
     settings_changed_ = true;
@@ -385,12 +277,12 @@ std::shared_ptr<const ShownPicture> Session::picture(const RenderSettings& setti
     return nullptr;
   }
   // The threads have ended: this one makes the picture.
-  auto next = std::make_shared<ShownPicture>(*picture_);
+  auto next = std::make_shared<ShownPicture>(*newest);
   ++next->serial;
   next->settings = settings;
   next->picture = render(shown_, settings);
-  picture_ = std::move(next);
-  return picture_;
+  pictures_.put(next);
+  return next;
 }
 
 std::optional<float> Session::disparity_at(float x, float y) {
@@ -402,8 +294,8 @@ std::optional<float> Session::disparity_at(float x, float y) {
     field = shown_.without_views();
   }
   // The comparison needs all views of the same cycle.
-  if (const Result<void> made = make_views(field.cycle, false, field); !made) {
-    fail(made.error());
+  if (const Result<void> made = networks_.make(field.cycle, false, field); !made) {
+    tuning_.fail(made.error());
     return std::nullopt;
   }
   return live::disparity_at(field, x, y);
@@ -412,11 +304,9 @@ std::optional<float> Session::disparity_at(float x, float y) {
 /// Computes the missing views of the displayed light field, unless the next one is being reconstructed. field_mutex_
 /// must be locked.
 bool Session::complete() {
-  const std::unique_lock idle(maker_mutex_, std::try_to_lock);
-  if (!idle.owns_lock()) return false;
-  const Result<void> made = shown_.complete([this](LiveField& field) { return make_views(field.cycle, false, field); });
-  if (!made) fail(made.error());
-  return made.ok();
+  const Result<bool> made = networks_.complete_if_free(shown_);
+  if (!made) tuning_.fail(made.error());
+  return made.value_or(false);
 }
 
 std::optional<LiveField> Session::freeze() {
@@ -426,8 +316,8 @@ std::optional<LiveField> Session::freeze() {
     if (shown_.serial == 0) return frozen;
     frozen = shown_.without_views();
   }
-  if (const Result<void> made = make_views(frozen->cycle, true, *frozen); !made) {
-    fail(made.error());
+  if (const Result<void> made = networks_.make(frozen->cycle, true, *frozen); !made) {
+    tuning_.fail(made.error());
     return std::nullopt;
   }
   recon::apply_tone(frozen->light_field, frozen->black, frozen->gain);
@@ -447,21 +337,12 @@ std::optional<lightfield::ByteImage> Session::fused_cycles() {
   return map;
 }
 
-Pace Session::pace_of(std::optional<PictureSize> size) const {
-  std::vector<double> macs;
-  for (const FieldMaker& maker : makers_) macs.push_back(model::macs_per_pixel(maker.reconstructor().model().network));
-  return Pace(macs, size);
-}
-
 void Session::set_size(std::optional<PictureSize> size) {
-  const std::lock_guard lock(settings_mutex_);
-  named_size_ = size;
-  pace_ = pace_of(size);
+  tuning_.set_size(size, networks_.pace(size));
 }
 
 void Session::measure_tone() {
-  const std::lock_guard lock(settings_mutex_);
-  tone_ = options_.tone;
+  tuning_.set_tone(options_.tone);
 }
 
 Json Session::json() {
@@ -474,14 +355,69 @@ Json Session::json() {
   json["has_depth"] = has_depth();
   const cycles::Schedule& schedule = reader_->cycles().schedule();
   json["schedule"] = {{"patterns", schedule.size()}, {"cycle_us", schedule.cycle_us()}};
-  const std::lock_guard lock(settings_mutex_);
+  json["network"] = model(tuning_.level().network).name;
+  tuning_.describe(json);
+  return json;
+}
+
+QualityLevel Tuning::level() const {
+  const std::lock_guard lock(mutex_);
+  return pace_.level();
+}
+
+std::optional<PictureSize> Tuning::named_size() const {
+  const std::lock_guard lock(mutex_);
+  return named_size_;
+}
+
+void Tuning::set_size(std::optional<PictureSize> named_size, const Pace& pace) {
+  const std::lock_guard lock(mutex_);
+  named_size_ = named_size;
+  pace_ = pace;
+}
+
+bool Tuning::finds_tone() const {
+  const std::lock_guard lock(mutex_);
+  return !tone_.gain || !tone_.black;
+}
+
+void Tuning::set_tone(const pipeline::Tone& tone) {
+  const std::lock_guard lock(mutex_);
+  tone_ = tone;
+}
+
+Tuning::Change Tuning::add(double cycle_s, bool is_late, bool finds_tone, LiveField& field) {
+  const std::lock_guard lock(mutex_);
+  Change change;
+  if (field.level == pace_.level() && pace_.add(field.reconstruct_s, cycle_s, is_late)) change.level = pace_.level();
+  // As pipeline::FieldSequence determines the brightness.
+  if (finds_tone && !tone_.black) tone_.black = recon::auto_black(field.light_field);
+  if (finds_tone && !tone_.gain) {
+    change.gain = recon::auto_gain(field.light_field, *tone_.black);
+    tone_.gain = change.gain;
+  }
+  field.black = tone_.black.value_or(0.0F);
+  field.gain = tone_.gain.value_or(1.0F);
+  return change;
+}
+
+void Tuning::fail(const Error& error) {
+  const std::lock_guard lock(mutex_);
+  if (!error_) error_ = error;
+}
+
+std::optional<Error> Tuning::error() const {
+  const std::lock_guard lock(mutex_);
+  return error_;
+}
+
+void Tuning::describe(Json& json) const {
+  const std::lock_guard lock(mutex_);
   json["size"] = size_name(pace_.level().size);
   json["size_choice"] = word_of(named_size_, kPictureSizes);
-  json["network"] = model(pace_.level().network).name;
   json["gain"] = tone_.gain ? Json(*tone_.gain) : Json();
   json["black"] = tone_.black ? Json(*tone_.black) : Json();
   json["error"] = error_ ? Json(error_->text()) : Json();
-  return json;
 }
 
 }  // namespace e2lf::live

@@ -7,119 +7,15 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <span>
 #include <thread>
-#include <utility>
 
 #include "e2lf/base/result.h"
-#include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/capture/profile/sensor_profile.h"
-#include "e2lf/lightfield/image.h"
-#include "e2lf/lightfield/light_field.h"
 #include "e2lf/live/live_reader.h"
-#include "e2lf/live/pace.h"
-#include "e2lf/live/render.h"
+#include "e2lf/live/networks.h"
+#include "e2lf/live/slots.h"
 #include "e2lf/pipeline/field_sequence.h"
-#include "e2lf/recon/reconstruct.h"
 
 namespace e2lf::live {
-
-/// Reconstructs a sequence of light fields with one network. Each count of a measurement is a sum over `samples`
-/// values, cycles of a static scene times pixels of a block, or was fused. Networks that are not conditioned on the
-/// sensor profile receive the mean.
-class FieldMaker {
- public:
-  /// The input of the network must be event images.
-  explicit FieldMaker(recon::Reconstructor reconstructor) : reconstructor_(std::move(reconstructor)) {}
-
-  /// Computes the values of one pass of recon::Reconstructor::reconstruct() into `field`: to the bit if `exactly`, and
-  /// otherwise except for rounding, see recon::Reconstructor::prepared_for(), in the memory that the first call
-  /// allocated. The network may compute only the given views; see reconstruct_into(). Fails as that function does.
-  [[nodiscard]] Result<void> make(const capture::MeasurementView& images, size_t samples, std::span<const size_t> views,
-                                  lightfield::LightField& field, bool exactly = false) {
-    const size_t prepared = images.is_fused() ? kFused : samples;
-    if (!exactly && (!fast_ || prepared != prepared_)) {
-      E2LF_ASSIGN_OR_RETURN(
-          fast_, prepared == kFused ? reconstructor_.prepared_for_fused() : reconstructor_.prepared_for(samples));
-      memory_ = {};
-      prepared_ = prepared;
-    }
-    const recon::Reconstructor& network = exactly ? reconstructor_ : *fast_;
-    const lightfield::Shape shape = network.field_shape(images);
-    if (!(field.shape() == shape)) field = lightfield::LightField::unset(shape);
-    recon::ReconstructionMemory memory_once;
-    return network.reconstruct_into(images, samples, views, exactly ? memory_once : memory_, field);
-  }
-
-  [[nodiscard]] const recon::Reconstructor& reconstructor() const { return reconstructor_; }
-  /// Returns whether the network is told the number of cycles, so that these may be fused.
-  [[nodiscard]] bool takes_fused() const { return model::is_conditioned_on_camera(reconstructor_.model()); }
-
- private:
-  static constexpr size_t kFused = 0;
-  recon::Reconstructor reconstructor_;
-  std::optional<recon::Reconstructor> fast_;  ///< the network prepared for prepared_
-  size_t prepared_ = 0;                       ///< number of samples, or kFused
-  recon::ReconstructionMemory memory_;
-};
-
-/// Passes values from one thread to another without a queue: the slot holds only the newest value. Values are swapped
-/// rather than copied, so that their memory is reused.
-template <typename T>
-class NewestSlot {
- public:
-  /// Swaps `value` with the content of the slot. Returns true if the previous content had not been taken.
-  bool put(T& value) {
-    bool was_full = false;
-    {
-      const std::lock_guard lock(mutex_);
-      std::swap(value, value_);
-      was_full = std::exchange(is_full_, true);
-    }
-    changed_.notify_one();
-    return was_full;
-  }
-
-  /// Waits for a value and swaps it into `value`. Returns false once the slot is closed and empty.
-  [[nodiscard]] bool take(T& value) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return is_full_ || is_closed_; });
-    if (!is_full_) return false;
-    std::swap(value, value_);
-    is_full_ = false;
-    return true;
-  }
-
-  /// Declares that no further values will follow. A value in the slot can still be taken.
-  void close() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_closed_ = true;
-    }
-    changed_.notify_all();
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  T value_{};
-  bool is_full_ = false, is_closed_ = false;
-};
-
-/// The figures of a light field whose picture is complete.
-struct FieldReport {
-  uint64_t serial = 0;  ///< counts the light fields from 1
-  uint64_t cycle = 0;   ///< number of its cycle in the recording
-  int64_t begin_us = 0;
-  size_t cycles = 1;        ///< number of cycles that were summed
-  double fused_cycles = 0;  ///< mean number of cycles that were fused; 0 = none were
-  uint64_t events = 0;
-  float confidence = 1;
-  QualityLevel level;
-  double reconstruct_s = 0;
-  double latency_s =
-      0;  ///< time from the arrival of the last event to the completion of the picture; 0 = after the end
-};
 
 struct SessionOptions {
   std::optional<PictureSize> size = {};             ///< empty = selected by the pace
@@ -138,26 +34,47 @@ struct SessionOptions {
       {};  ///< called after the size or the network was changed automatically
 };
 
+/// The size and the brightness of the light fields, and the first error. May be used by any thread.
+class Tuning {
+ public:
+  Tuning(const Pace& pace, std::optional<PictureSize> named_size, const pipeline::Tone& tone)
+      : pace_(pace), named_size_(named_size), tone_(tone) {}
+
+  [[nodiscard]] QualityLevel level() const;
+  /// Returns the size that is fixed, if one is.
+  [[nodiscard]] std::optional<PictureSize> named_size() const;
+  void set_size(std::optional<PictureSize> named_size, const Pace& pace);
+  /// Returns whether gain or black level follow from the next light field.
+  [[nodiscard]] bool finds_tone() const;
+  void set_tone(const pipeline::Tone& tone);
+
+  /// What a light field has changed.
+  struct Change {
+    std::optional<QualityLevel> level = {};
+    std::optional<float> gain = {};
+  };
+  /// Adds a light field of all views that was made at its level, and states its gain and black level in it.
+  Change add(double cycle_s, bool is_late, bool finds_tone, LiveField& field);
+
+  void fail(const Error& error);
+  [[nodiscard]] std::optional<Error> error() const;
+  /// Adds "size", "size_choice", "gain", "black" and "error".
+  void describe(Json& json) const;
+
+ private:
+  mutable std::mutex mutex_;
+  Pace pace_;
+  std::optional<PictureSize> named_size_;  ///< empty = the pace determines the size
+  pipeline::Tone tone_;
+  std::optional<Error> error_;
+};
+
 /// A picture of the newest light field, as requested by the browser.
 struct ShownPicture {
   uint64_t serial = 0;  ///< counts pictures from 1
   FieldReport field;
   RenderSettings settings;
   Picture picture;
-};
-
-/// Event images in the resolution of a picture.
-struct SizedMemory {
-  capture::EventImages sums;
-  capture::FusedCycles fused;
-};
-
-/// The disparities of a cycle, as requested by the browser.
-struct ShownDepth {
-  FieldReport field;             ///< `serial` counts the maps, and `level.size` is that of the map
-  lightfield::Image disparity;   ///< px of the full size per view step
-  lightfield::Image confidence;  ///< see depth::DisparityMap
-  lightfield::Image picture;     ///< brightness, with its own gain
 };
 
 /// Reconstructs light fields from a live source as fast as the hardware permits. One thread reads and accumulates
@@ -181,8 +98,8 @@ class Session {
 
   [[nodiscard]] LiveReader& reader() { return *reader_; }
   /// Returns the model of the fastest network, or of network `number`.
-  [[nodiscard]] const model::Model& model() const { return model(makers_.size() - 1); }
-  [[nodiscard]] const model::Model& model(size_t number) const { return makers_[number].reconstructor().model(); }
+  [[nodiscard]] const model::Model& model() const { return networks_.model(networks_.size() - 1); }
+  [[nodiscard]] const model::Model& model(size_t number) const { return networks_.model(number); }
   /// Fixes the size, or, if it is empty, lets the pace determine it.
   void set_size(std::optional<PictureSize> size);
   /// Determines gain and black level again from the next light field.
@@ -204,7 +121,7 @@ class Session {
   /// place of a light field: in the size that is fixed, or else in half size. After the end, those of the last cycle
   /// are computed if they are missing.
   [[nodiscard]] std::shared_ptr<const ShownDepth> depth(uint64_t after, std::chrono::milliseconds patience);
-  [[nodiscard]] bool has_depth() const { return depth_maker_.has_value(); }
+  [[nodiscard]] bool has_depth() const { return depth_.has_value(); }
 
   /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing
   /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
@@ -227,28 +144,18 @@ class Session {
   void show();
   [[nodiscard]] Result<void> make(LiveCycle& cycle, LiveField& field);
   [[nodiscard]] Result<FieldReport> make_depth(const LiveCycle& cycle);
-  void complete_depth();
-  [[nodiscard]] Result<void> make_views(const LiveCycle& cycle, bool exactly, LiveField& field);
-  [[nodiscard]] Pace pace_of(std::optional<PictureSize> size) const;
   void choose_views(LiveField& field);
   [[nodiscard]] bool complete();
   void begin_check(const LiveCycle& cycle, bool is_last);
   void join();
-  void fail(const Error& error);
 
   std::unique_ptr<LiveReader> reader_;
-  std::recursive_mutex maker_mutex_;
-  std::vector<FieldMaker> makers_;
-  SizedMemory sized_;  ///< blocks of the cycle that is being reconstructed
   SessionOptions options_;
+  Networks networks_;
+  std::optional<DepthNetwork> depth_;
+  Tuning tuning_;
   NewestSlot<LiveCycle> slot_;
   uint64_t made_ = 0;
-
-  mutable std::mutex settings_mutex_;
-  Pace pace_;
-  std::optional<PictureSize> named_size_;  ///< empty = the pace determines the size
-  pipeline::Tone tone_;
-  std::optional<Error> error_;
 
   // The newest light field. The reconstruction thread swaps it, so that it waits for at most one picture.
   std::mutex field_mutex_;
@@ -257,18 +164,10 @@ class Session {
   RenderSettings render_settings_;
   Clock::time_point settings_since_{};
   bool is_new_ = false, is_last_ = false, settings_changed_ = false;
+  Published<ShownPicture> pictures_;
 
   // When the browser last asked for either, as the count of a clock.
   std::atomic<Clock::rep> picture_asked_ = 0, depth_asked_ = 0;
-  std::optional<FieldMaker> depth_maker_;
-  SizedMemory depth_sized_;
-  lightfield::LightField depth_outputs_;
-  std::shared_ptr<const ShownDepth> depth_;  ///< under picture_mutex_, like picture_
-
-  std::mutex picture_mutex_;
-  std::condition_variable picture_changed_;
-  std::shared_ptr<const ShownPicture> picture_;
-
   std::atomic<bool> has_ended_ = false;
   std::thread reading_, reconstructing_, showing_, checking_;
 };
