@@ -13,12 +13,18 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     require(!packed.error().message.empty(), "an error says what is wrong");
     return 0;
   }
-  require(packed->light_fields.size() + packed->textures.size() == tensors, "every tensor has its place");
-  for (const auto& [name, pixels] : packed->light_fields) {
+  size_t placed = packed->light_fields.size() + packed->textures.size();
+  for (const auto& [name, pixels, disparity] : packed->light_fields) {
+    if (!disparity.shape.empty()) {
+      ++placed;
+      require(disparity.bytes.size() == 4 * sizeof(float) * pixels.shape[2] * pixels.shape[3],
+              "disparities are those of four views of the size");
+    }
     require(pixels.shape.size() == 4 && pixels.bytes.size() == 64 * pixels.shape[2] * pixels.shape[3],
             "a light field has 8x8 views of its size");
   }
-  for (const auto& [name, pixels] : packed->textures) {
+  require(placed == tensors, "every tensor has its place");
+  for (const auto& [name, pixels, disparity] : packed->textures) {
     require(pixels.shape.size() == 2 && pixels.bytes.size() == pixels.shape[0] * pixels.shape[1],
             "a photograph has its pixels");
   }

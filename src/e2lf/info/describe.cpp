@@ -50,7 +50,8 @@ Result<Description> describe_packed_data(Safetensors file, const fs::path& path)
   E2LF_ASSIGN_OR_RETURN(const learn::PackedData data, learn::sort_packed_data(std::move(file), path.string()));
   Json light_fields = Json::array();
   for (const learn::PackedPicture& field : data.light_fields) {
-    light_fields.push_back({{"name", field.name}, {"shape", field.pixels.shape}});
+    light_fields.push_back(
+        {{"name", field.name}, {"shape", field.pixels.shape}, {"disparity", !field.disparity.shape.empty()}});
   }
   return Description{
       {{"kind", "training data"}, {"light_fields", std::move(light_fields)}, {"textures", data.textures.size()}}};

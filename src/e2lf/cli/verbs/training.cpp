@@ -60,6 +60,9 @@ int run_pack(const std::vector<std::string>& arguments) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   app.add_option("--textures", options.textures, "photographs, or folders of photographs, for synthesised light fields")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_flag("--disparity", options.estimate_disparity,
+               "estimate disparities of light fields, to train networks of disparity; true ones beside the views "
+               "(gt_disparity.npy) are always packed");
   app.add_option("-o,--output", output, "file to write (.safetensors)")->required();
   return verb.run(arguments, [&]() -> Result<void> {
     std::vector<fs::path> inputs = options.light_fields;
@@ -71,10 +74,14 @@ int run_pack(const std::vector<std::string>& arguments) {
     hide_progress();
     record.end_step("pack");
     E2LF_RETURN_IF_ERROR(commit(file, record));
-    print_result(verb.common(),
-                 {{"light_fields", summary.light_fields}, {"textures", summary.textures}, {"bytes", summary.bytes}},
-                 formatted("packed %zu light fields and %zu photographs, %.0f MB\n", summary.light_fields,
-                           summary.textures, static_cast<double>(summary.bytes) / 1e6));
+    print_result(
+        verb.common(),
+        {{"light_fields", summary.light_fields},
+         {"with_disparity", summary.with_disparity},
+         {"textures", summary.textures},
+         {"bytes", summary.bytes}},
+        formatted("packed %zu light fields (%zu with disparities) and %zu photographs, %.0f MB\n", summary.light_fields,
+                  summary.with_disparity, summary.textures, static_cast<double>(summary.bytes) / 1e6));
     return {};
   });
 }

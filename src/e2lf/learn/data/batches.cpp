@@ -49,32 +49,46 @@ MovingSamples moving_samples(const std::vector<torch::Tensor>& at_times, const t
 
 }  // namespace
 
-Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
-  Batches batches(config, std::move(dataset), device);
+Result<std::vector<size_t>> scenes_for_training(const DataConfig& data, const Dataset& dataset) {
   using List = std::pair<const char*, const std::vector<std::string>*>;
-  for (const auto& [key, names] :
-       {List("data.validation", &config.data.validation), List("data.exclude", &config.data.exclude)}) {
+  for (const auto& [key, names] : {List("data.validation", &data.validation), List("data.exclude", &data.exclude)}) {
     for (const std::string& name : *names) {
-      const auto found = batches.dataset_.find(name);
+      const auto found = dataset.find(name);
       if (!found) return Error{found.error().code, cat(found.error().message, " Or remove it from this list"), key};
     }
   }
-  if (!config.sensor.camera.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config.sensor.camera));
-    E2LF_ASSIGN_OR_RETURN(batches.camera_, capture::read_camera(path));
-    if (!batches.camera_->is_pixel() || !config.patterns.black_first) {
-      return fail(ErrorCode::kInvalidValue, config.sensor.camera,
-                  "training requires a camera of the event model \"pixel\" and a black first pattern; choose another "
-                  "camera or set patterns.black_first");
-    }
+  std::vector<size_t> numbers;
+  for (size_t i = 0; i < dataset.scenes.size(); ++i) {
+    const auto names_it = [&](const auto& names) {
+      return std::ranges::find(names, dataset.scenes[i].name) != names.end();
+    };
+    if (!names_it(data.validation) && !names_it(data.exclude)) numbers.push_back(i);
   }
+  return numbers;
+}
+
+Result<std::optional<capture::SensorProfile>> camera_for_training(const Config& config) {
+  std::optional<capture::SensorProfile> camera;
+  if (config.sensor.camera.empty()) return camera;
+  E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config.sensor.camera));
+  E2LF_ASSIGN_OR_RETURN(camera, capture::read_camera(path));
+  if (!camera->is_pixel() || !config.patterns.black_first) {
+    return fail(ErrorCode::kInvalidValue, config.sensor.camera,
+                "training requires a camera of the event model \"pixel\" and a black first pattern; choose another "
+                "camera or set patterns.black_first");
+  }
+  return camera;
+}
+
+Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
+  Batches batches(config, std::move(dataset), device);
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, scenes_for_training(config.data, batches.dataset_));
+  E2LF_ASSIGN_OR_RETURN(batches.camera_, camera_for_training(config));
   const auto patch = static_cast<int64_t>(config.train.patch);
   const int64_t stride = scene_stride(config.data);
   double places = 0;
-  for (size_t i = 0; i < batches.dataset_.scenes.size(); ++i) {
+  for (const size_t i : numbers) {
     const Scene& scene = batches.dataset_.scenes[i];
-    const auto is_in = [&](const auto& names) { return std::ranges::find(names, scene.name) != names.end(); };
-    if (is_in(config.data.validation) || is_in(config.data.exclude)) continue;
     if (scene.views.size(1) < patch || scene.views.size(2) < patch) continue;
     batches.scenes_.push_back(i);
     places += static_cast<double>(num_places(scene.views.size(1), patch, stride) *

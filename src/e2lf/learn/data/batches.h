@@ -26,13 +26,20 @@ struct Share {
   int rank = 0, size = 1;
 };
 
+/// Returns the numbers of the scenes on which a run may train: those that data.validation and data.exclude do not name.
+/// Fails with kNotFound if one of these lists names a scene that is not in the data.
+[[nodiscard]] Result<std::vector<size_t>> scenes_for_training(const DataConfig& data, const Dataset& dataset);
+
+/// Reads the camera of sensor.camera; nothing if none is set. Fails with kInvalidValue if it cannot be trained with,
+/// and as read_camera() does.
+[[nodiscard]] Result<std::optional<capture::SensorProfile>> camera_for_training(const Config& config);
+
 /// Training samples. The batch of step k depends only on the configuration and k, so that a resumed run sees the same
 /// data.
 class Batches {
  public:
-  /// Selects for training every scene of the data that is neither a validation scene nor excluded. Fails with
-  /// kInvalidValue (nothing to train on, or a camera that cannot be trained with), kNotFound (a named scene is not in
-  /// the data), and as read_camera() does.
+  /// Trains on scenes_for_training() that are not smaller than a patch. Fails with kInvalidValue (nothing to train on),
+  /// and as scenes_for_training() and camera_for_training() do.
   [[nodiscard]] static Result<Batches> create(const Config& config, Dataset dataset, torch::Device device);
 
   /// Returns a share of the batch of a step. The batch does not depend on the number of shares. The batch size must be

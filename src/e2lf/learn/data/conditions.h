@@ -3,6 +3,7 @@
 
 #include <torch/types.h>
 
+#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/run/config.h"
@@ -20,6 +21,12 @@ struct Conditions {
 struct PatternNumbers {
   size_t all = 0, codes = 0;
 };
+
+/// Returns those of a sequence of patterns.
+[[nodiscard]] inline PatternNumbers numbers_of(const capture::Codes& codes) {
+  const auto lit = capture::codes_of_whole_cycle(codes);
+  return {codes.num_patterns, lit ? lit->num_patterns : codes.num_patterns};
+}
 
 /// Draws the conditions of the paper's models from the ranges of a configuration.
 [[nodiscard]] Conditions draw_conditions(const SensorConfig& sensor, uint64_t batch, torch::Device device,

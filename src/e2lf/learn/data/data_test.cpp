@@ -41,6 +41,9 @@ TEST(ReadDataset, RefusesTensorsThatAreNotPackedData) {
   EXPECT_EQ(refuse("picture/a", make_npy<uint8_t>({8, 8}, bytes)).code, ErrorCode::kFormat);
   EXPECT_EQ(refuse("texture/a", make_npy<float>({2, 2}, floats)).code, ErrorCode::kFormat);
   EXPECT_EQ(refuse("texture/a", make_npy<uint8_t>({64}, bytes)).code, ErrorCode::kShape);
+  EXPECT_EQ(refuse("disparity/a", make_npy<float>({4, 1, 1}, floats)).code, ErrorCode::kFormat) << "no light field";
+  EXPECT_EQ(refuse("disparity/a", make_npy<float>({2, 2}, floats)).code, ErrorCode::kShape);
+  EXPECT_EQ(refuse("disparity/a", make_npy<uint8_t>({4, 4, 4}, bytes)).code, ErrorCode::kFormat);
   const auto error = refuse("lightfield/a", make_npy<uint8_t>({4, 4, 2, 2}, bytes));
   EXPECT_EQ(error.code, ErrorCode::kShape);
   EXPECT_NE(error.message.find("lightfield/a"), std::string::npos);

@@ -10,7 +10,8 @@ namespace {
 torch::Tensor to_torch(const Tensor& tensor, torch::Device device) {
   std::vector<int64_t> shape(tensor.shape.begin(), tensor.shape.end());
   // from_blob wants a mutable pointer; clone() makes our own copy at once.
-  return torch::from_blob(const_cast<uint8_t*>(tensor.bytes.data()), shape, torch::kByte).clone().to(device);
+  const auto type = tensor.type == "u1" ? torch::kByte : torch::kFloat;
+  return torch::from_blob(const_cast<uint8_t*>(tensor.bytes.data()), shape, type).clone().to(device);
 }
 
 }  // namespace
@@ -33,6 +34,7 @@ Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device de
   for (const PackedPicture& texture : packed.textures) dataset.textures.push_back(to_torch(texture.pixels, device));
   for (const PackedPicture& scene : packed.light_fields) {
     dataset.scenes.push_back({scene.name, views_last(to_torch(scene.pixels, device).flatten(0, 1))});
+    if (!scene.disparity.shape.empty()) dataset.scenes.back().disparity = to_torch(scene.disparity, device);
   }
   return dataset;
 }

@@ -16,8 +16,10 @@ inline constexpr int64_t kViewsPerSide = 8, kViews = 64;
 
 struct Scene {
   std::string name;
-  torch::Tensor views;           ///< uint8 [64, y, x], view number = 8 * view_y + view_x
-  torch::Tensor disparity = {};  ///< of view (4, 4), px per view step, float32 [y, x]; undefined if it is not known
+  torch::Tensor views;  ///< uint8 [64, y, x], view number = 8 * view_y + view_x
+  /// Of the views (3, 3), (3, 4), (4, 3), (4, 4), px per view step, NaN where it is not known: float32 [4, y, x];
+  /// undefined if it is not known at all.
+  torch::Tensor disparity = {};
 };
 
 /// Packed training data in memory: textures and light fields, 8-bit grey.
@@ -29,9 +31,9 @@ struct Dataset {
   [[nodiscard]] Result<const Scene*> find(const std::string& name) const;
 };
 
-/// Reads a file made by `e2lf pack`: tensors "texture/<name>" U8 [y, x] and "lightfield/<name>" U8 [8, 8, y, x]. If the
-/// path is empty, returns an empty data set, so that only procedural textures are used. Fails with kFormat and kShape,
-/// naming the tensor.
+/// Reads a file made by `e2lf pack`: tensors "texture/<name>" U8 [y, x], "lightfield/<name>" U8 [8, 8, y, x] and
+/// "disparity/<name>" F32 [4, y, x]. If the path is empty, returns an empty data set, so that only procedural textures
+/// are used. Fails with kFormat and kShape, naming the tensor.
 [[nodiscard]] Result<Dataset> read_dataset(const std::filesystem::path& path, torch::Device device);
 
 /// Returns `views` [64, y, x] in a memory layout in which the views of a pixel are adjacent, as training reads them.

@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <torch/torch.h>
 
+#include "e2lf/base/text.h"
 #include "e2lf/learn/data/pattern_draws.h"
+#include "e2lf/learn/data/pattern_sets.h"
 
 namespace e2lf::learn {
 namespace {
 
-enum DepthPurpose : uint64_t { kDepthNoise = 11, kDepthScenes = 12, kDepthSamples = 13 };
+enum DepthPurpose : uint64_t { kDepthNoise = 11, kDepthScenes = 12, kDepthSamples = 13, kDepthValidation = 21 };
 /// Numbers of lit patterns, and their shares of the steps.
 constexpr std::array<size_t, 6> kNumbersLit = {2, 3, 4, 5, 6, 7};
 constexpr std::array kNumberShares = {0.02, 0.72, 0.04, 0.02, 0.02, 0.18};
@@ -121,16 +124,83 @@ torch::Tensor simulate_cycles(const torch::Tensor& views, const std::vector<capt
                       simulate_both(intensities, full, constants, most_residue, static_cast<int64_t>(least)), events);
 }
 
-DepthBatches::DepthBatches(const Config& config, const Dataset& dataset, std::vector<capture::Codes> known,
-                           std::optional<capture::SensorProfile> camera, torch::Device device)
+KnownScene scaled_part(const Scene& scene, int64_t size, Draws& draws) {
+  const int64_t height = scene.views.size(1), width = scene.views.size(2);
+  const auto wanted = static_cast<int64_t>(std::lround(static_cast<double>(size) / draws.log_uniform(0.7, 2.0)));
+  const int64_t part = std::min({wanted, height, width});
+  const auto below = [&](int64_t bound) { return static_cast<int64_t>(draws.below(static_cast<uint64_t>(bound))); };
+  const int64_t y = below(height - part + 1), x = below(width - part + 1);
+  const auto cut = [&](const torch::Tensor& maps) {
+    return maps.narrow(1, y, part).narrow(2, x, part).to(torch::kFloat).contiguous().unsqueeze(0);
+  };
+  const auto views = cut(scene.views);
+  const auto scaled = part > size ? at::_upsample_bilinear2d_aa(views, {size, size}, /*align_corners=*/false)
+                                  : at::upsample_bilinear2d(views, {size, size}, /*align_corners=*/false);
+  const double magnification = static_cast<double>(size) / static_cast<double>(part);
+  return {scaled[0].round_().clamp_(0.0, 255.0).to(torch::kByte),
+          at::upsample_nearest2d(cut(scene.disparity), {size, size})[0] * magnification};
+}
+
+DepthBatches::DepthBatches(const Config& config, capture::Codes codes, Dataset dataset, torch::Device device)
     : config_(config),
-      known_(std::move(known)),
-      camera_(std::move(camera)),
+      codes_(std::move(codes)),
+      dataset_(std::move(dataset)),
       device_(device),
-      scenes_(std::make_unique<KnownScenes>(dataset.textures, config.data.synthesiser,
+      scenes_(std::make_unique<KnownScenes>(dataset_.textures, config.data.synthesiser,
                                             mix_seed(config.seed, kDepthScenes, 0), device)) {}
 
+Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes codes, Dataset dataset,
+                                          torch::Device device) {
+  DepthBatches batches(config, std::move(codes), std::move(dataset), device);
+  for (const std::string& name : config.patterns.known) {
+    E2LF_ASSIGN_OR_RETURN(auto known, read_pattern_set(name));
+    batches.known_.push_back(std::move(known));
+  }
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, scenes_for_training(config.data, batches.dataset_));
+  E2LF_ASSIGN_OR_RETURN(batches.camera_, camera_for_training(config));
+  for (const size_t i : numbers) {
+    const torch::Tensor& maps = batches.dataset_.scenes[i].disparity;
+    if (maps.defined() && maps.isfinite().flatten(1).any(1).all().item<bool>()) batches.real_.push_back(i);
+  }
+  if (batches.real_.empty() && config.data.synthetic_share < 1.0) {
+    return fail(ErrorCode::kInvalidValue, config.data.file,
+                "no light field with disparities is left to train on; pack some with `e2lf pack --disparity`, or set "
+                "data.synthetic_share to 1");
+  }
+  if (config.data.validation.empty()) batches.synthesise_validation();
+  return batches;
+}
+
+void DepthBatches::synthesise_validation() {
+  constexpr uint64_t kScenes = 2;
+  for (uint64_t i = 1; i <= kScenes; ++i) {
+    const KnownScene scene = synthesise_known(dataset_.textures, config_.data.synthesiser,
+                                              mix_seed(config_.seed, kDepthValidation, i), device_);
+    dataset_.scenes.push_back({cat("synthesised ", i), views_last(scene.views), scene.disparity});
+    config_.data.validation.push_back(dataset_.scenes.back().name);
+  }
+}
+
+KnownScene DepthBatches::random_scene(Draws& draws) const {
+  if (draws.chance(config_.data.synthetic_share)) return pool_[draws.below(pool_.size())];
+  return scaled_part(dataset_.scenes[real_[draws.below(real_.size())]], static_cast<int64_t>(config_.train.patch),
+                     draws);
+}
+
+std::vector<capture::Codes> DepthBatches::draw_codes(Draws& draws) const {
+  if (!config_.patterns.drawn) return std::vector(config_.train.batch, codes_);
+  const size_t num_lit = draw_number_lit(draws);
+  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3;
+  std::vector<capture::Codes> drawn;
+  for (uint64_t i = 0; i < config_.train.batch; ++i) {
+    drawn.push_back(draw_patterns(num_lit, known_, draws));
+    if (is_whole) drawn.back() = capture::whole_cycle(drawn.back());
+  }
+  return drawn;
+}
+
 void DepthBatches::advance_pool(uint64_t step) {
+  if (config_.data.synthetic_share <= 0.0) return;
   const auto end = kFirstScenes + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
   pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
   for (; pool_end_ < end; ++pool_end_) {
@@ -148,19 +218,14 @@ DepthBatch DepthBatches::at(uint64_t step, Share share) {
   const uint64_t batch = config_.train.batch;
   std::vector<torch::Tensor> views, disparities;
   for (uint64_t i = 0; i < batch; ++i) {
-    const KnownScene& scene = pool_[draws.below(pool_.size())];
+    const KnownScene scene = random_scene(draws);
     auto [light_field, disparity] = transform_scene(scene, draws.below(8));
     views.push_back(light_field.permute({1, 2, 0}));
     disparities.push_back(disparity);
   }
-  const size_t num_lit = draw_number_lit(draws);
-  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3;
   DepthBatch result;
-  for (uint64_t i = 0; i < batch; ++i) {
-    result.codes.push_back(draw_patterns(num_lit, known_, draws));
-    if (is_whole) result.codes.back() = capture::whole_cycle(result.codes.back());
-  }
-  const PatternNumbers numbers{result.codes.front().num_patterns, num_lit + 1};
+  result.codes = draw_codes(draws);
+  const PatternNumbers numbers = numbers_of(result.codes.front());
   Conditions conditions = draw_conditions(config_.sensor, batch, device_, draws);
   add_conditioning(numbers.all, conditions);
   if (camera_) apply_camera(config_.sensor, *camera_, numbers, 1, draws, conditions);

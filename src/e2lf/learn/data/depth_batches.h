@@ -15,9 +15,9 @@ namespace e2lf::learn {
 
 /// Samples with known disparity, each with patterns of its own.
 struct DepthBatch {
-  torch::Tensor events;               ///< [batch, transitions, y, x], averaged over the cycles
-  torch::Tensor cycles;               ///< their number, float32 [batch, y, x]
-  torch::Tensor disparity;            ///< of view (4, 4), px per view step, float32 [batch, y, x]
+  torch::Tensor events;     ///< [batch, transitions, y, x], averaged over the cycles
+  torch::Tensor cycles;     ///< their number, float32 [batch, y, x]
+  torch::Tensor disparity;  ///< of view (4, 4), px per view step, NaN if it is not known, float32 [batch, y, x]
   std::vector<capture::Codes> codes;  ///< the patterns of each sample: black first, or a whole cycle
   SampleConstants constants;          ///< with conditioning vectors for one cycle
 };
@@ -25,24 +25,43 @@ struct DepthBatch {
 /// Training samples for disparity. The batch of step k depends only on the configuration and k.
 class DepthBatches {
  public:
-  /// `known`: sets of patterns of which some are taken. `camera`: as Batches::camera().
-  DepthBatches(const Config& config, const Dataset& dataset, std::vector<capture::Codes> known,
-               std::optional<capture::SensorProfile> camera, torch::Device device);
+  /// `codes`: the patterns of patterns.codes. Reads the sets of patterns.known. Of the scenes of the data, those for
+  /// training whose disparities are known for all four central views give the samples that are not synthesised. Fails
+  /// with kInvalidValue (there are none, but data.synthetic_share is below 1), and as read_pattern_set() and
+  /// Batches::create() do.
+  [[nodiscard]] static Result<DepthBatches> create(const Config& config, capture::Codes codes, Dataset dataset,
+                                                   torch::Device device);
 
   /// Returns a share of the batch of a step, as Batches::at() does.
   [[nodiscard]] DepthBatch at(uint64_t step, Share share = {});
 
+  /// As Batches has them.
+  [[nodiscard]] const Dataset& dataset() const { return dataset_; }
+  [[nodiscard]] const std::vector<std::string>& validation() const { return config_.data.validation; }
+  [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
+
  private:
+  DepthBatches(const Config& config, capture::Codes codes, Dataset dataset, torch::Device device);
+  void synthesise_validation();
   void advance_pool(uint64_t step);
+  [[nodiscard]] KnownScene random_scene(Draws& draws) const;
+  [[nodiscard]] std::vector<capture::Codes> draw_codes(Draws& draws) const;
 
   Config config_;
+  capture::Codes codes_;
   std::vector<capture::Codes> known_;
   std::optional<capture::SensorProfile> camera_;
+  Dataset dataset_;
+  std::vector<size_t> real_;  ///< numbers of scenes for training
   torch::Device device_;
   std::unique_ptr<KnownScenes> scenes_;
   uint64_t pool_end_ = 0;  ///< number of scenes drawn since step 0
   std::deque<KnownScene> pool_;
 };
+
+/// Cuts a random square out of a scene with four maps, and scales it to `size`, by 0.7 to 2 as far as it is large
+/// enough. Its disparities are scaled with it.
+[[nodiscard]] KnownScene scaled_part(const Scene& scene, int64_t size, Draws& draws);
 
 /// Applies one of the eight symmetries of transform_views() to the views and the disparity of a scene. Returns the
 /// views, uint8 [64, y, x], and the disparity of view (4, 4), [y, x].

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "e2lf/base/text.h"
+#include "e2lf/depth/disparity.h"
+#include "e2lf/depth/disparity_error.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/data/packed_data.h"
@@ -15,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr size_t kSmallestTexture = 64;
+constexpr float kSure = 0.2F;  // least confidence of an estimated disparity
 
 /// A folder's or file's name without extension; of "scene/" too.
 std::string name_of(const fs::path& path) {
@@ -59,11 +63,40 @@ Result<void> insert(Safetensors& file, const std::string& name, std::vector<size
   return fail(ErrorCode::kInvalidValue, source, "two inputs are named \"", name, "\"; rename one of them");
 }
 
-Result<void> add_light_field(Safetensors& file, const fs::path& path) {
+/// Returns the disparities of the four central views, NaN where they are not known; nothing if none is known.
+Result<std::vector<float>> disparities_of(const lightfield::LightField& field, const fs::path& path, bool estimates) {
+  const size_t pixels = field.shape().height * field.shape().width;
+  std::vector<float> maps;
+  for (size_t view = 0; estimates && view < 4; ++view) {
+    E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map,
+                          depth::estimate_disparity(field, {depth::ViewIndex{3 + view / 2, 3 + view % 2}, {}}));
+    for (size_t i = 0; i < pixels; ++i) {
+      const bool is_sure = map.confidence.pixels[i] > kSure;
+      maps.push_back(is_sure ? map.disparity.pixels[i] : std::numeric_limits<float>::quiet_NaN());
+    }
+  }
+  const auto file = depth::find_true_disparity(path);
+  if (!file) return maps;
+  E2LF_ASSIGN_OR_RETURN(const depth::TrueDisparity truth, depth::true_disparity(field, file));
+  if (depth::has_comparable_disparity(field.shape())) {
+    E2LF_RETURN_IF_ERROR(depth::check_true_disparity(field, truth));
+  }
+  maps.resize(4 * pixels, std::numeric_limits<float>::quiet_NaN());
+  std::ranges::copy(truth.disparity.pixels, maps.end() - static_cast<ptrdiff_t>(pixels));
+  return maps;
+}
+
+Result<void> add_light_field(Safetensors& file, const fs::path& path, const PackOptions& options,
+                             PackSummary& summary) {
   E2LF_ASSIGN_OR_RETURN(const auto field, lightfield::read_light_field(path));
   const auto& shape = field.shape();
-  return insert(file, "lightfield/" + name_of(path), {shape.views_y, shape.views_x, shape.height, shape.width},
-                field.data(), path);
+  E2LF_RETURN_IF_ERROR(insert(file, "lightfield/" + name_of(path),
+                              {shape.views_y, shape.views_x, shape.height, shape.width}, field.data(), path));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> maps, disparities_of(field, path, options.estimate_disparity));
+  if (maps.empty()) return {};
+  ++summary.with_disparity;
+  file.tensors["disparity/" + name_of(path)] = make_npy<float>({4, shape.height, shape.width}, maps);
+  return {};
 }
 
 Result<void> add_texture(Safetensors& file, const fs::path& path) {
@@ -86,19 +119,19 @@ Result<PackSummary> pack(const fs::path& output, const PackOptions& options, con
     return fail(ErrorCode::kInvalidValue, "", "no light fields and no images were given; name at least one");
 
   Safetensors file;
+  PackSummary summary{options.light_fields.size(), pictures.size()};
   size_t done = 0;
   const auto report = [&] {
     if (progress) progress(++done, total);
   };
   for (const fs::path& path : options.light_fields) {
-    E2LF_RETURN_IF_ERROR(add_light_field(file, path));
+    E2LF_RETURN_IF_ERROR(add_light_field(file, path, options, summary));
     report();
   }
   for (const fs::path& path : pictures) {
     E2LF_RETURN_IF_ERROR(add_texture(file, path));
     report();
   }
-  PackSummary summary{options.light_fields.size(), pictures.size(), 0};
   for (const auto& [name, tensor] : file.tensors) summary.bytes += tensor.bytes.size();
   E2LF_RETURN_IF_ERROR(write_safetensors(output, file));
   return summary;

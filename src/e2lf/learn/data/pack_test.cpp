@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <limits>
 
+#include "e2lf/files/npy.h"
 #include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/data/packed_data.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "testing/test_training_data.h"
+#include "testing/textured_plane.h"
 
 namespace e2lf::learn {
 namespace {
@@ -38,6 +41,40 @@ TEST(Pack, KeepsEveryByteOfLightFieldsAndPictures) {
       torch::equal(dataset->textures.at(0), torch::arange(64 * 70).remainder(251).to(torch::kByte).reshape({70, 64})));
 
   EXPECT_EQ(pack(output, {.light_fields = {folder / "scene"}}).error().code, ErrorCode::kExists);
+}
+
+/// A textured plane at 0.5 px per view step, with and without true disparities in its folder.
+TEST(Pack, KeepsTrueDisparitiesAndThoseThatItIsToldToEstimate) {
+  constexpr int64_t kHeight = 48, kWidth = 56;
+  const TestData data;
+  const auto& folder = data.folder();
+  for (const char* scene : {"true", "other"}) {
+    const auto field = lightfield::render_light_field(lightfield::textured_plane_scene(0.5F), {8, 8, kHeight, kWidth});
+    ASSERT_TRUE(lightfield::write_light_field(folder / scene, field));
+  }
+  std::vector<float> truth(kHeight * kWidth, 0.5F);
+  truth[3] = std::numeric_limits<float>::quiet_NaN();
+  ASSERT_TRUE(write_npy(folder / "true" / "gt_disparity.npy", make_npy<float>({kHeight, kWidth}, truth)));
+  PackOptions options{.light_fields = {folder / "true", folder / "other"}};
+  ASSERT_EQ(pack(folder / "kept.safetensors", options)->with_disparity, 1U);
+  const auto kept = read_dataset(folder / "kept.safetensors", torch::kCPU).value();
+  EXPECT_FALSE(kept.find("other").value()->disparity.defined());
+  const auto maps = kept.find("true").value()->disparity;
+  ASSERT_EQ(maps.sizes(), (at::IntArrayRef{4, kHeight, kWidth}));
+  EXPECT_FALSE(maps.narrow(0, 0, 3).isfinite().any().item<bool>());
+  EXPECT_EQ(maps[3].isfinite().sum().item<int64_t>(), kHeight * kWidth - 1);
+  EXPECT_EQ(maps[3][1][0].item<float>(), 0.5F);
+
+  options.estimate_disparity = true;
+  ASSERT_EQ(pack(folder / "estimated.safetensors", options)->with_disparity, 2U);
+  const auto estimated = read_dataset(folder / "estimated.safetensors", torch::kCPU).value();
+  for (const char* scene : {"true", "other"}) {
+    const auto found = estimated.find(scene).value()->disparity;
+    EXPECT_GT(found.isfinite().to(torch::kFloat).mean().item<float>(), 0.5F) << scene;
+    EXPECT_NEAR(found.nanmedian().item<float>(), 0.5F, 0.02F) << scene;
+  }
+  ASSERT_TRUE(write_npy(folder / "true" / "gt_disparity.npy", make_npy<float>({2, 2}, std::vector<float>(4))));
+  EXPECT_EQ(pack(folder / "wrong.safetensors", options).error().code, ErrorCode::kShape);
 }
 
 TEST(Pack, RefusesNothingNamesTwiceAndSmallPictures) {

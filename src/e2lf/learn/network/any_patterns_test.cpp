@@ -131,7 +131,8 @@ torch::Tensor numbered(const std::string& name, const torch::Tensor& like) {
   return (values / scale).to(torch::kFloat).reshape(like.sizes());
 }
 
-/// Steps of training, against those of bench/geometry/train.py from the same weights, inputs and disparities.
+/// Steps of training, against those of the scripts in Python that trained the bundled network (docs/experiments/
+/// geometry.md), from the same weights, inputs and disparities.
 TEST(AnyPatternsModule, LearnsInTheStepsOfTheScripts) {
   constexpr int64_t kLength = 32;
   const AnyPatternsModule module(kWidths, torch::kCPU);

@@ -40,7 +40,7 @@ Result<void> take_tensors(const Safetensors& file, const std::string& prefix, co
 }  // namespace
 
 std::vector<std::pair<const char*, const NamedTensors*>> Trainer::state() const {
-  return {{"weights/", &network_.parameters()},
+  return {{"weights/", &parameters()},
           {"average/", &average_},
           {"momentum/", &muon_.momenta()},
           {"first/", &adam_.first_moments()},

@@ -143,8 +143,7 @@ Result<std::string> evaluate_run(const std::filesystem::path& run, const std::ve
                                  const std::vector<std::string>& overrides) {
   return guarded(run, [&]() -> Result<std::string> {
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, overrides));
-    const bool is_depth = trainer.config().network.gives_disparity();
-    const std::string column = (is_depth ? LogFigures::of_disparity() : LogFigures::of_views()).score_column;
+    const std::string column = trainer.figures().score_column;
     std::string table = cat("scene\t", column, "\tevents_per_pixel\t", column, "_without_noise\n");
     for (const capture::SensorProfile& camera : trainer.cameras()) {
       E2LF_ASSIGN_OR_RETURN(const auto usual, trainer.evaluate(scenes, camera));

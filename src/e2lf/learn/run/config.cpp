@@ -23,8 +23,8 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
   visit.section("patterns", [&patterns = config.patterns](auto& inner) {
     E2LF_VISIT(patterns, inner, num_patterns, black_first, complementary, whole_cycle);
     inner.choice("event_model", patterns.event_model, capture::kEventModels);
-    E2LF_VISIT(patterns, inner, codes, start, known, noise_start, in_model, begin_step, learn_steps, learning_rate,
-               scale_begin, scale_end);
+    E2LF_VISIT(patterns, inner, codes, start, drawn, known, evaluated, noise_start, in_model, begin_step, learn_steps,
+               learning_rate, scale_begin, scale_end);
   });
   visit.section("sensor", [&sensor = config.sensor](auto& inner) {
     inner("eps", sensor.nominal.eps);
@@ -102,17 +102,9 @@ Result<void> check_disparity(const Config& config, const std::string& location) 
     return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera; list these",
                    location + ".input");
   }
-  if (config.patterns.codes.empty() || !config.patterns.black_first || config.patterns.whole_cycle) {
-    return invalid(
-        "plane-sweep draws its patterns, and is stored for those of patterns.codes; name a set whose first "
-        "pattern is black",
-        location + ".patterns.codes");
-  }
-  if (!config.data.validation.empty()) {
-    return invalid(
-        "packed data contain no disparities, so that plane-sweep is evaluated on synthesised scenes; leave "
-        "this empty",
-        location + ".data.validation");
+  if (config.patterns.codes.empty() || !config.patterns.black_first) {
+    return invalid("plane-sweep is stored for the patterns of patterns.codes; name a set whose first pattern is black",
+                   location + ".patterns.codes");
   }
   const size_t multiple = size_t{2} << (config.network.widths.size() - 1);
   if (config.network.widths.size() < 2 || config.train.patch % multiple != 0 ||

@@ -32,11 +32,13 @@ struct PatternConfig {
   EventModel event_model = EventModel::kReferenceAware;
   std::string codes;  ///< fixed patterns: a model (file or name) or a JSON file; if empty, they are learned
   std::string start;  ///< initial patterns, likewise; if empty, they are random
-  std::vector<std::string> known;  ///< of networks for any patterns: sets of which some of the drawn ones are taken
-  double noise_start = 0.0;        ///< standard deviation of random initial parameters; 0 = soft discs instead
-  bool in_model = true;            ///< whether the model contains the patterns; without them it cannot simulate
-  uint64_t begin_step = 200;       ///< patterns are fixed until this step, while the network learns to use them
-  uint64_t learn_steps = 2000;     ///< step at which learned patterns are rounded to 0 or 1 and fixed
+  bool drawn = true;  ///< of networks for any patterns: whether samples have patterns of their own, or all have `codes`
+  std::vector<std::string> known;      ///< of these: sets of which some of the drawn ones are taken
+  std::vector<std::string> evaluated;  ///< of these: sets with which evaluations are made; if empty, `codes`
+  double noise_start = 0.0;            ///< standard deviation of random initial parameters; 0 = soft discs instead
+  bool in_model = true;                ///< whether the model contains the patterns; without them it cannot simulate
+  uint64_t begin_step = 200;           ///< patterns are fixed until this step, while the network learns to use them
+  uint64_t learn_steps = 2000;         ///< step at which learned patterns are rounded to 0 or 1 and fixed
   double learning_rate = 1e-3;
   double scale_begin = 4.0, scale_end = 60.0;  ///< s of sigmoid(s * parameter), which grows geometrically
 

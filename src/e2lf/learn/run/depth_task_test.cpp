@@ -5,15 +5,20 @@
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
+#include <limits>
 #include <numeric>
 #include <torch/torch.h>
 #include <unistd.h>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/safetensors.h"
 #include "e2lf/geometry/operations.h"
+#include "e2lf/learn/data/depth_batches.h"
 #include "e2lf/learn/data/pattern_draws.h"
+#include "e2lf/learn/network/any_patterns.h"
 #include "e2lf/learn/run/trainer.h"
 
 namespace e2lf::learn {
@@ -33,6 +38,7 @@ Config depth_config() {
   config.sensor.camera = "evk4-lcos";
   config.sensor.cycles_share = 0.3;
   config.data.synthesiser.size = 32;
+  config.data.synthetic_share = 1;
   config.data.pool = 16;
   config.train.patch = 32;
   config.train.batch = 4;
@@ -48,10 +54,14 @@ TEST(DepthLoss, IsThatOfALaplaceDistributionAndABoundedError) {
   const auto output = torch::zeros({1, 2, 1, 2});
   output[0][0][0][1] = 0.4;  // an error
   output[0][1].fill_(std::log(0.5));
-  const DepthLoss found = depth_loss(output, torch::zeros({1, 1, 2}));
+  const StepLoss found = depth_loss(output, torch::zeros({1, 1, 2}));
   const double exact = std::log(0.5), wrong = 0.4 / 0.5 + std::log(0.5) + 0.05 * 0.4 + 0.5 * 0.4 / 0.6;
   EXPECT_NEAR(found.loss.item<double>(), 0.5 * (exact + wrong), 1e-6);
-  EXPECT_DOUBLE_EQ(found.share_off.item<double>(), 0.5);
+  EXPECT_DOUBLE_EQ(found.figure.item<double>(), 0.5);
+  auto half_known = torch::zeros({1, 1, 2});
+  half_known[0][0][1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NEAR(depth_loss(output, half_known).loss.item<double>(), exact, 1e-6);
+  EXPECT_EQ(depth_loss(output, half_known / 0).loss.item<double>(), 0.0) << "nothing is known";
 }
 
 TEST(DrawnPatterns, AreLitBehindBlackAndDiffer) {
@@ -92,6 +102,25 @@ TEST(TransformedScenes, HaveTheDisparityOfTheViewThatTakesThePlace) {
   scene.disparity[3].copy_(scene.views[36]);
   const auto [views, disparity] = transform_scene(scene, 4);
   EXPECT_TRUE(torch::equal(views[36].to(torch::kFloat), disparity));
+}
+
+/// A ramp, whose views move by 1 px per view step: the scaled part moves by as much of its own slope.
+TEST(ScaledParts, HaveDisparitiesOfTheirOwnScale) {
+  constexpr int64_t kHeight = 40, kWidth = 60, kPart = 30;
+  const auto column = torch::arange(64).remainder(8).reshape({64, 1, 1}) - 4;
+  const auto ramp = 2 * (torch::arange(kWidth) - column) + 60;
+  const Scene scene{"ramp", ramp.expand({64, kHeight, kWidth}).to(torch::kByte), torch::ones({4, kHeight, kWidth})};
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    Draws draws(seed, 0);
+    const KnownScene part = scaled_part(scene, kPart, draws);
+    ASSERT_EQ(part.views.sizes(), (at::IntArrayRef{64, kPart, kPart}));
+    ASSERT_EQ(part.disparity.sizes(), (at::IntArrayRef{4, kPart, kPart}));
+    const auto at = [&](int64_t view, int64_t x) { return part.views[view][15][x].item<double>(); };
+    const double slope = (at(36, 25) - at(36, 5)) / 20, moved = (at(32, 15) - at(39, 15)) / 7;
+    EXPECT_NEAR(part.disparity[3][0][0].item<double>(), moved / slope, 0.05 * moved / slope);
+    EXPECT_GE(part.disparity.min().item<double>(), 0.7);
+    EXPECT_LE(part.disparity.max().item<double>(), 2.0 + 0.1);
+  }
 }
 
 /// Without noise, counts do not change from cycle to cycle, and each sample sees its own patterns.
@@ -137,6 +166,89 @@ TEST(DepthTraining, ResumesBitExactlyAndStoresAModelForAnyPatterns) {
   EXPECT_TRUE(model::is_depth_network(*read));
   EXPECT_EQ(read->weights, model->weights);
   std::filesystem::remove_all(folder);
+}
+
+/// A packed file with scenes whose disparities are all known, known for view (4, 4), and not known.
+std::filesystem::path pack_known_scenes(const std::filesystem::path& folder) {
+  Safetensors file;
+  const std::vector<uint8_t> views(64 * 48 * 64, 100);
+  std::vector<float> maps(4 * 48 * 64, 0.25F);
+  for (const char* scene : {"all", "one", "none"}) {
+    file.tensors[cat("lightfield/", scene)] = make_npy<uint8_t>({8, 8, 48, 64}, views);
+  }
+  file.tensors["disparity/all"] = make_npy<float>({4, 48, 64}, maps);
+  std::fill_n(maps.begin(), 3 * 48 * 64, std::numeric_limits<float>::quiet_NaN());
+  file.tensors["disparity/one"] = make_npy<float>({4, 48, 64}, maps);
+  EXPECT_TRUE(write_safetensors(folder / "packed.safetensors", file));
+  return folder / "packed.safetensors";
+}
+
+class DepthRun : public testing::Test {
+ protected:
+  DepthRun() { std::filesystem::create_directories(folder_); }
+  ~DepthRun() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / cat("e2lf_depth_run_", ::getpid());
+};
+
+TEST_F(DepthRun, TrainsOnRealScenesAndJudgesSeveralSetsWithBothSensors) {
+  Config config = depth_config();
+  config.data.file = pack_known_scenes(folder_).string();
+  config.data.synthetic_share = 0;
+  config.data.validation = {"one"};
+  config.patterns.evaluated = {"e2lf-n4", "e2lf-n8"};
+  config.train.steps = config.train.evaluate_steps = 2;
+  auto trainer = Trainer::create(config);
+  ASSERT_TRUE(trainer) << trainer.error().text();
+  ASSERT_TRUE(trainer->run(folder_)) << "the constant disparity of real scenes";
+  const auto bytes = read_file(folder_ / "evaluation.csv").value();
+  const std::string rows(bytes.begin(), bytes.end());
+  for (const char* name : {"one:e2lf-n4", "one:e2lf-n8", "one:e2lf-n4@evk4-lcos", "one:e2lf-n8@evk4-lcos", "mean"}) {
+    EXPECT_NE(rows.find(cat(",", name, ",")), std::string::npos) << name << ": " << rows;
+  }
+  EXPECT_EQ(trainer->evaluate({"none"}, {}).error().code, ErrorCode::kNotFound);
+  config.data.exclude = {"all"};
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << "no scene is left";
+}
+
+TEST(DepthBatchesOfFixedPatterns, AllHaveThoseOfTheConfiguration) {
+  Config config = depth_config();
+  config.patterns.drawn = false;
+  const capture::Codes codes = capture::whole_cycle(capture::default_codes());
+  auto batches = DepthBatches::create(config, codes, {}, torch::kCPU);
+  ASSERT_TRUE(batches) << batches.error().text();
+  const DepthBatch batch = batches->at(0);
+  EXPECT_EQ(batch.codes, std::vector(config.train.batch, codes));
+  EXPECT_EQ(batch.events.size(1), static_cast<int64_t>(codes.num_patterns) - 1);
+}
+
+TEST(DepthTraining, StartsFromNetworksForAnyPatternsAlone) {
+  Config config = depth_config();
+  config.start = "e2lf-n4-depth";
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
+}
+
+/// Of the networks for the patterns of e2lf-n4, at a smaller size.
+TEST(DepthTraining, ConfigurationsOfFixedPatternsGiveModelsForThem) {
+  for (const char* name : {"e2lf-n4-depth", "e2lf-n4-cycle-depth"}) {
+    const auto path = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / cat(name, ".json");
+    auto config = config_from_json(read_json(path).value(), path.string());
+    ASSERT_TRUE(config) << config.error().text();
+    const Config small = depth_config();
+    config->network.widths = small.network.widths;
+    config->network.blocks = small.network.blocks;
+    config->data = small.data;
+    config->train = small.train;
+    config->start = "";
+    auto trainer = Trainer::create(*config);
+    ASSERT_TRUE(trainer) << trainer.error().text();
+    ASSERT_TRUE(trainer->train_step());
+    const auto model = trainer->to_model();
+    ASSERT_TRUE(model) << model.error().text();
+    const auto bundled = model::read_model(*bundled_file_named(kBundledModels, name)).value();
+    EXPECT_EQ(model->name, name);
+    EXPECT_EQ(model->codes, bundled.codes);
+    EXPECT_EQ(model->num_patterns, bundled.num_patterns);
+  }
 }
 
 TEST(DepthTraining, ItsConfigurationGivesTheLayersOfTheBundledNetwork) {

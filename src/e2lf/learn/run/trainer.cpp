@@ -11,17 +11,14 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/learn/data/draws.h"
+#include "e2lf/learn/data/pattern_sets.h"
 #include "e2lf/learn/events/event_simulation.h"
-#if E2LF_LEARN_KERNELS
-#include "e2lf/learn/run/depth_task.h"
-#endif
 #include "e2lf/learn/run/torch_setup.h"
 
 namespace e2lf::learn {
 namespace {
 
-constexpr uint64_t kInitialSeed = 0x1117, kEvaluationSeed = 20;
+constexpr uint64_t kEvaluationSeed = 20;
 
 PatternTie tie_of(const PatternConfig& patterns) {
   if (patterns.complementary) return PatternTie::kComplementary;
@@ -34,66 +31,21 @@ NamedTensors without(NamedTensors tensors, const NamedTensors& left_out) {
   return tensors;
 }
 
-/// Reads the codes [n, views] of a model file, a bundled model or a JSON file, where n is between `fewest` and
-/// patterns.num_codes(). From a whole cycle, the codes before the inverses are taken. (Other formats would need
-/// libraries that a machine with only torch may lack.)
+/// Reads the codes [n, views], where n is between `fewest` and patterns.num_codes(). From a whole cycle, the codes
+/// before the inverses are taken.
 Result<torch::Tensor> read_codes(const std::string& name, size_t fewest, const PatternConfig& patterns,
                                  torch::Device device) {
-  E2LF_ASSIGN_OR_RETURN(const std::filesystem::path path, find_file_or_bundled(kBundledCodes, name));
-  std::optional<capture::Codes> codes;
-  if (path.extension() == ".safetensors") {
-    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
-    codes = model.codes;
-  } else {
-    E2LF_ASSIGN_OR_RETURN(const Json json, read_json(path));
-    E2LF_ASSIGN_OR_RETURN(codes, capture::codes_from_json(json, path.string()));
-  }
-  if (codes && patterns.whole_cycle) codes = capture::codes_of_whole_cycle(*codes).value_or(*codes);
+  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, read_pattern_set(name));
+  if (patterns.whole_cycle) codes = capture::codes_of_whole_cycle(codes).value_or(codes);
   const uint64_t most = patterns.num_codes();
-  if (!codes || codes->num_patterns < fewest || codes->num_patterns > most || codes->views_y != 8 ||
-      codes->views_x != 8 || (patterns.whole_cycle && !capture::is_black_first(*codes))) {
-    return fail(ErrorCode::kShape, path, "the file does not contain ", fewest < most ? "at most " : "", most,
-                " patterns of 8x8 cells", patterns.whole_cycle ? " that begin with black" : "",
+  if (codes.num_patterns < fewest || codes.num_patterns > most ||
+      (patterns.whole_cycle && !capture::is_black_first(codes))) {
+    return fail(ErrorCode::kShape, name, "the file does not contain ", fewest < most ? "at most " : "", most,
+                " patterns", patterns.whole_cycle ? " that begin with black" : "",
                 ", as patterns.num_patterns requires; choose another file");
   }
-  return to_tensor(*codes, device);
+  return to_tensor(codes, device);
 }
-
-/// Returns the weights that Muon updates. Of a network of disparity, the layers with few outputs are left to Adam.
-NamedTensors weights_of_muon(const Config& config, const NetworkModule& network) {
-  if (config.train.optimiser != "muon") return {};
-  NamedTensors weights = muon_weights(network);
-  if (!config.network.gives_disparity()) return weights;
-  for (const char* layer : {"pictures", "features", "head"}) weights.erase(cat(layer, ".weight"));
-  return weights;
-}
-
-#if E2LF_LEARN_KERNELS
-/// Reads a set of patterns of any number, for networks for any patterns.
-Result<capture::Codes> read_set(const std::string& name, torch::Device device) {
-  constexpr uint64_t kMost = 64;
-  PatternConfig any;
-  any.num_patterns = kMost;
-  any.black_first = false;
-  E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(name, 2, any, device));
-  return to_codes(codes, kViewsPerSide, kViewsPerSide);
-}
-
-/// Opens the task of a network of disparity. Sets the number of patterns of the configuration.
-Result<std::shared_ptr<DepthTask>> open_depth_task(Config& config, const Dataset& dataset,
-                                                   const std::optional<capture::SensorProfile>& camera,
-                                                   torch::Device device) {
-  std::vector<capture::Codes> known;
-  for (const std::string& name : config.patterns.known) {
-    E2LF_ASSIGN_OR_RETURN(auto codes, read_set(name, device));
-    known.push_back(std::move(codes));
-  }
-  E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, read_set(config.patterns.codes, device));
-  config.patterns.num_patterns = codes.num_patterns;
-  E2LF_RETURN_IF_ERROR(describe_apertures({codes}, device));
-  return std::make_shared<DepthTask>(config, dataset, std::move(known), codes, camera, device);
-}
-#endif
 
 /// Returns a configuration as a model file stores it, without the folders of files.
 Json without_folders(Config config) {
@@ -101,8 +53,19 @@ Json without_folders(Config config) {
        {&config.start, &config.data.file, &config.sensor.camera, &config.patterns.codes, &config.patterns.start}) {
     *path = std::filesystem::path(*path).filename().string();
   }
-  for (std::string& path : config.patterns.known) path = std::filesystem::path(path).filename().string();
+  for (auto* const paths : {&config.patterns.known, &config.patterns.evaluated}) {
+    for (std::string& path : *paths) path = std::filesystem::path(path).filename().string();
+  }
   return to_json(config);
+}
+
+SceneScore mean_score(const std::vector<SceneScore>& scores) {
+  SceneScore mean{.name = "mean"};
+  for (const SceneScore& score : scores) {
+    mean.score += score.score / static_cast<double>(scores.size());
+    mean.events_per_pixel += score.events_per_pixel / static_cast<double>(scores.size());
+  }
+  return mean;
 }
 
 }  // namespace
@@ -116,29 +79,19 @@ double learning_rate(const TrainConfig& train, uint64_t step) {
   return train.learning_rate * 0.5 * (1.0 + std::cos(std::numbers::pi * progress));
 }
 
-/// Computes the contribution of each sample to the loss from its mean squared error and its gain.
-torch::Tensor sample_losses(const TrainConfig& train, const torch::Tensor& errors, const torch::Tensor& gains) {
-  constexpr double kFloor = 1e-6;  // 60 dB; below it, the slope of a power less than 1 would be too large
-  const auto relative = errors * gains.pow(-train.gain_weight_power);
-  return train.error_power == 1.0 ? relative : (relative + kFloor).pow(train.error_power);
-}
-
-Trainer::Trainer(Config config, Batches batches, std::shared_ptr<DepthTask> depth, NetworkModule network,
-                 torch::Device device, const Peers& peers)
+Trainer::Trainer(Config config, std::unique_ptr<Task> task, torch::Device device, const Peers& peers)
     : config_(std::move(config)),
       device_(device),
       peers_(peers),
-      batches_(std::move(batches)),
-      depth_(std::move(depth)),
-      network_(std::move(network)),
+      task_(std::move(task)),
       patterns_(config_.patterns.num_patterns, tie_of(config_.patterns), device),
       pattern_parameters_{{"patterns", patterns_.parameters()}},
-      by_muon_(weights_of_muon(config_, network_)),
-      by_adam_(without(network_.parameters(), by_muon_)),
+      by_muon_(config_.train.optimiser == "muon" ? task_->weights_of_muon() : NamedTensors()),
+      by_adam_(without(parameters(), by_muon_)),
       muon_(by_muon_),
       adam_(by_adam_, config_.train.adam_decay),
       pattern_adam_(pattern_parameters_),
-      average_(clone(network_.parameters())) {}
+      average_(clone(parameters())) {}
 
 Result<Trainer> Trainer::create(const Config& given, const Peers& peers) {
   Config config = given;
@@ -147,63 +100,40 @@ Result<Trainer> Trainer::create(const Config& given, const Peers& peers) {
                 " cannot be split evenly between ", peers.size(), " processes; make it a multiple of this number");
   }
   E2LF_ASSIGN_OR_RETURN(const torch::Device device, open_device(config.device));
-  E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
-  std::shared_ptr<DepthTask> depth;
-#if E2LF_LEARN_KERNELS
-  if (config.network.gives_disparity()) {
-    config.data.synthetic_share = 1.0;
-    if (config.data.validation.empty()) config.data.validation = add_known_scenes(config, device, dataset);
-  }
-#endif
-  E2LF_ASSIGN_OR_RETURN(auto batches, Batches::create(config, std::move(dataset), device));
-  torch::manual_seed(mix_seed(config.seed, 0, kInitialSeed));
-#if E2LF_LEARN_KERNELS
-  if (config.network.gives_disparity()) {
-    E2LF_ASSIGN_OR_RETURN(depth, open_depth_task(config, batches.dataset(), batches.camera(), device));
-  }
-  auto network = depth ? depth->network() : NetworkModule(make_network(config), device);
-#else
-  NetworkModule network(make_network(config), device);
-#endif
-  Trainer trainer(config, std::move(batches), std::move(depth), std::move(network), device, peers);
-  trainer.config_.data.validation = given.data.validation;
-  if (model::measurement_of(config.input).value() == capture::MeasurementKind::kLensArray) {
-    trainer.fixed_codes_ = torch::ones({1, kViews}, torch::device(device));
-  } else if (!config.patterns.codes.empty()) {
-    const size_t all = config.patterns.num_codes();
-    E2LF_ASSIGN_OR_RETURN(auto codes, read_codes(config.patterns.codes, all, config.patterns, device));
-    if (config.patterns.whole_cycle) codes = torch::cat({codes, 1.0 - codes, codes.slice(0, 0, 1)});
-    trainer.fixed_codes_ = codes;
-  } else if (!config.patterns.start.empty()) {
-    const auto fewest = static_cast<size_t>(std::min<uint64_t>(2, config.patterns.num_codes()));
-    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(config.patterns.start, fewest, config.patterns, device));
-    trainer.patterns_.start_at(codes);
-  } else if (config.patterns.noise_start > 0.0) {
-    trainer.patterns_.start_at_noise(config.patterns.noise_start);
-  }
-  if (!config.start.empty()) {
-    E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, config.start));
-    E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
-    model::Weights weights = model.weights;
-    for (const auto& [name, shared] : model.any_patterns) weights[name] = shared.values;
-    if (!trainer.depth_) {
-      const auto origins = input_origins(model, config.input, config.patterns.num_patterns);
-      weights = widen_inputs(model.network, std::move(weights), trainer.network_.network(), origins);
-    }
-    E2LF_RETURN_IF_ERROR(load_weights(trainer.network_.parameters(), weights, config.start));
-    trainer.average_ = clone(trainer.network_.parameters());
-  }
+  E2LF_ASSIGN_OR_RETURN(auto task, open_task(config, device));
+  Trainer trainer(config, std::move(task), device, peers);
+  E2LF_RETURN_IF_ERROR(trainer.choose_patterns());
+  if (!config.start.empty()) E2LF_RETURN_IF_ERROR(trainer.start_at(config.start));
   return trainer;
 }
 
-Pipeline Trainer::pipeline_with(const NamedTensors& weights, const torch::Tensor& codes) const {
-  return {.network = &network_,
-          .weights = &weights,
-          .codes = codes,
-          .event_model = config_.patterns.event_model,
-          .input = config_.input,
-          .compute = config_.precision == "bfloat16" ? torch::kBFloat16 : torch::kFloat,
-          .image_sigma = config_.sensor.nominal.sigma_i};
+Result<void> Trainer::choose_patterns() {
+  const PatternConfig& patterns = config_.patterns;
+  if (model::measurement_of(config_.input).value() == capture::MeasurementKind::kLensArray) {
+    fixed_codes_ = torch::ones({1, kViews}, torch::device(device_));
+  } else if (!patterns.codes.empty()) {
+    E2LF_ASSIGN_OR_RETURN(fixed_codes_, read_codes(patterns.codes, patterns.num_codes(), patterns, device_));
+    if (patterns.whole_cycle) {
+      fixed_codes_ = torch::cat({fixed_codes_, 1.0 - fixed_codes_, fixed_codes_.slice(0, 0, 1)});
+    }
+  } else if (!patterns.start.empty()) {
+    const auto fewest = static_cast<size_t>(std::min<uint64_t>(2, patterns.num_codes()));
+    E2LF_ASSIGN_OR_RETURN(const auto codes, read_codes(patterns.start, fewest, patterns, device_));
+    patterns_.start_at(codes);
+  } else if (patterns.noise_start > 0.0) {
+    patterns_.start_at_noise(patterns.noise_start);
+  }
+  return {};
+}
+
+Result<void> Trainer::start_at(const std::string& name) {
+  E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name));
+  E2LF_ASSIGN_OR_RETURN(const auto model, model::read_model(path));
+  const auto weights = task_->starting_weights(model);
+  if (!weights) return Error{weights.error().code, weights.error().message, name};
+  E2LF_RETURN_IF_ERROR(load_weights(parameters(), *weights, name));
+  average_ = clone(parameters());
+  return {};
 }
 
 torch::Tensor Trainer::current_codes() const {
@@ -247,7 +177,7 @@ Result<void> Trainer::replace_by_peers_mean(const NamedTensors& tensors) const {
 }
 
 Result<void> Trainer::backward(const torch::Tensor& loss) {
-  zero_gradients(network_.parameters());
+  zero_gradients(parameters());
   zero_gradients(pattern_parameters_);
   loss.backward();
   NamedTensors gradients;
@@ -257,53 +187,36 @@ Result<void> Trainer::backward(const torch::Tensor& loss) {
       if (tensor.grad().defined()) gradients.emplace(name, tensor.grad());
     }
   };
-  add(network_.parameters());
+  add(parameters());
   add(pattern_parameters_);
   return replace_by_peers_mean(gradients);
 }
 
-Result<Trainer::StepLoss> Trainer::step_loss(NamedTensors* input_means) {
-  const Share share{peers_.rank(), peers_.size()};
-#if E2LF_LEARN_KERNELS
-  if (depth_) {
-    E2LF_ASSIGN_OR_RETURN(const DepthLoss of_depth, depth_->loss(step_, share, input_means));
-    return StepLoss{of_depth.loss, of_depth.share_off};
-  }
-#endif
-  const Batch batch = batches_.at(step_, share);
-  Pipeline pipeline = pipeline_with(network_.parameters(), current_codes());
-  pipeline.input_means = input_means;
-  const auto result = reconstruct(pipeline, batch.light_field, batch.constants, batch.noise, batch.moving);
-  // The views are last in memory, so the gradients are, too.
-  const auto difference = (result.light_field - batch.light_field).permute({0, 2, 3, 1}).flatten(1);
-  const auto errors = difference.square().mean(1);
-  return StepLoss{sample_losses(config_.train, errors, batch.gain).mean(), errors.detach().mean()};
-}
-
 Result<StepReport> Trainer::train_step() {
   NamedTensors input_means;
-  E2LF_ASSIGN_OR_RETURN(const StepLoss now, step_loss(config_.train.centred ? &input_means : nullptr));
+  E2LF_ASSIGN_OR_RETURN(const StepLoss now, task_->loss(step_, {peers_.rank(), peers_.size()}, current_codes(),
+                                                        config_.train.centred ? &input_means : nullptr));
   E2LF_RETURN_IF_ERROR(backward(now.loss));
   const auto means =
       torch::tensor({now.loss.item<double>(), now.figure.item<double>()}, torch::device(device_).dtype(torch::kDouble));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean({{"loss and error", means}}));
   E2LF_RETURN_IF_ERROR(replace_by_peers_mean(input_means));
-  centre_gradients(network_.parameters(), input_means);
+  centre_gradients(parameters(), input_means);
   const StepReport report{means[0].item<double>(), means[1].item<double>(),
-                          clip_gradients(network_.parameters(), config_.train.clip_norm)};
+                          clip_gradients(parameters(), config_.train.clip_norm)};
   if (!std::isfinite(report.loss) || !std::isfinite(report.gradient_norm)) return report;
 
   const double rate = learning_rate(config_.train, step_);
-  const auto before = clone(network_.parameters());
+  const auto before = clone(parameters());
   muon_.update(by_muon_, rate);
   adam_.update(by_adam_, rate, step_ + 1);
-  keep_mean_outputs(network_.parameters(), before, input_means);
+  keep_mean_outputs(parameters(), before, input_means);
   if (learning_patterns() && step_ >= config_.patterns.begin_step) {
     pattern_adam_.update(pattern_parameters_, config_.patterns.learning_rate, step_ + 1 - config_.patterns.begin_step);
   }
   // At first the average follows quickly, so that it forgets the random initialisation.
   const double steps = static_cast<double>(step_);
-  update_average(average_, network_.parameters(), std::min(config_.train.ema, (1.0 + steps) / (10.0 + steps)));
+  update_average(average_, parameters(), std::min(config_.train.ema, (1.0 + steps) / (10.0 + steps)));
   ++step_;
   return report;
 }
@@ -311,21 +224,14 @@ Result<StepReport> Trainer::train_step() {
 Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>& scenes,
                                                   const capture::SensorProfile& camera, size_t cycles) const {
   const auto codes = (current_codes().detach() > 0.5).to(torch::kFloat);
-  const Pipeline pipeline = pipeline_with(average_, fixed_codes_.defined() ? fixed_codes_ : codes);
   std::vector<SceneScore> scores;
   for (const std::string& name : scenes) {
-    E2LF_ASSIGN_OR_RETURN(const Scene* scene, batches_.dataset().find(name));
-#if E2LF_LEARN_KERNELS
-    if (depth_) {
-      E2LF_ASSIGN_OR_RETURN(SceneScore score, depth_->evaluate(average_, *scene, camera, cycles, kEvaluationSeed));
+    E2LF_ASSIGN_OR_RETURN(auto of_scene, task_->evaluate(average_, fixed_codes_.defined() ? fixed_codes_ : codes, name,
+                                                         {camera, cycles, kEvaluationSeed}));
+    for (SceneScore& score : of_scene) {
+      if (camera.is_pixel()) score.name += "@" + camera.name;
       scores.push_back(std::move(score));
-      if (camera.is_pixel()) scores.back().name += "@" + camera.name;
-      continue;
     }
-#endif
-    const auto sample = sample_of(camera, config_.patterns.num_patterns, config_.patterns.num_codes(), cycles, device_);
-    scores.push_back(evaluate_scene(pipeline, *scene, sample, kEvaluationSeed));
-    if (camera.is_pixel()) scores.back().name += "@" + camera.name;
   }
   return scores;
 }
@@ -333,7 +239,7 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
 std::vector<capture::SensorProfile> Trainer::cameras() const {
   std::vector<capture::SensorProfile> list(1);
   list.front().constants = config_.sensor.nominal;
-  if (batches_.camera()) list.push_back(*batches_.camera());
+  if (task_->camera()) list.push_back(*task_->camera());
   return list;
 }
 
@@ -353,12 +259,14 @@ StepRow Trainer::step_row(const StepReport& report, double samples_per_s) const 
 /// Every process evaluates, so that none waits longer for another than kPatience; the first one writes.
 Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const uint64_t samples = step_ * config_.train.batch;
+  std::vector<SceneScore> all;
   for (const capture::SensorProfile& camera : cameras()) {
-    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(batches_.validation(), camera));
-    if (!peers_.leads()) continue;
-    for (const SceneScore& score : scores) E2LF_RETURN_IF_ERROR(log.add(step_, samples, score));
+    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(task_->validation(), camera));
+    all.insert(all.end(), scores.begin(), scores.end());
   }
   if (!peers_.leads()) return {};
+  if (all.size() > 1) all.push_back(mean_score(all));
+  for (const SceneScore& score : all) E2LF_RETURN_IF_ERROR(log.add(step_, samples, score));
   const auto codes = current_codes().detach().to(torch::kCPU, torch::kFloat).contiguous();
   const std::span<const float> cells(codes.data_ptr<float>(), static_cast<size_t>(codes.numel()));
   E2LF_RETURN_IF_ERROR(log.add(step_, samples, cells));
@@ -370,7 +278,7 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   const auto checkpoint = folder / "checkpoint.safetensors";
   E2LF_RETURN_IF_ERROR(start_together());
   if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
-  const RunLog log(folder, config_.network.gives_disparity() ? LogFigures::of_disparity() : LogFigures::of_views());
+  const RunLog log(folder, figures());
   const auto draw_curves = [&]() -> Result<void> {
     return peers_.leads() ? log.draw_curves(config_.name, to_json(config_)) : Result<void>();
   };
@@ -420,15 +328,10 @@ Result<model::Model> Trainer::to_model() const {
   model.black_first = capture::is_black_first(*model.codes);  // the first pattern may have been learned to be black
   if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
-  model.camera = batches_.camera();
+  model.camera = task_->camera();
   model.input = config_.input;
   model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
-#if E2LF_LEARN_KERNELS
-  if (depth_) return depth_->complete(std::move(model), average_);
-#endif
-  model.network = network_.network();
-  model.weights = to_weights(average_);
-  return model;
+  return task_->complete(std::move(model), average_);
 }
 
 }  // namespace e2lf::learn

@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "e2lf/base/progress.h"
-#include "e2lf/learn/data/batches.h"
 #include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/learn/run/config.h"
-#include "e2lf/learn/run/evaluate.h"
 #include "e2lf/learn/run/peers.h"
 #include "e2lf/learn/run/run_log.h"
+#include "e2lf/learn/run/task.h"
 
 namespace e2lf::learn {
 
@@ -24,15 +23,13 @@ struct StepReport {
   double gradient_norm = 0;  ///< before clipping
 };
 
-class DepthTask;  // depth_task.h
-
-/// Trains patterns and network jointly, or a network of disparity for any patterns. Checkpoints contain everything that
+/// Trains the network of a task, and the patterns jointly with it. Checkpoints contain everything that
 /// changes between steps, and the random numbers of a step depend only on the seed and the step's number, so that a
 /// resumed run continues bit-exactly on the same machine.
 class Trainer {
  public:
-  /// Reads the data and prepares step 0. Fails as read_dataset(), Batches::create() and (for `start` and `codes`)
-  /// read_model() do, and with kInvalidValue if the batch cannot be divided evenly among the peers.
+  /// Reads the data and prepares step 0. Fails as open_task() and (for `start` and `codes`) read_model() do, and with
+  /// kInvalidValue if the batch cannot be divided evenly among the peers.
   [[nodiscard]] static Result<Trainer> create(const Config& config, const Peers& peers = {});
 
   /// Trains until config.train.steps, starting at the step of the first peer, which writes config.json, log.csv,
@@ -48,7 +45,8 @@ class Trainer {
   [[nodiscard]] Result<void> save_checkpoint(const std::filesystem::path& path) const;
   [[nodiscard]] Result<void> load_checkpoint(const std::filesystem::path& path);
 
-  /// Evaluates the averaged weights on the named scenes, as recorded by a camera over `cycles` cycles.
+  /// Evaluates the averaged weights on the named scenes, as recorded by a camera over `cycles` cycles:
+  /// Task::evaluate().
   [[nodiscard]] Result<std::vector<SceneScore>> evaluate(const std::vector<std::string>& scenes,
                                                          const capture::SensorProfile& camera, size_t cycles = 1) const;
 
@@ -56,25 +54,21 @@ class Trainer {
   [[nodiscard]] std::vector<capture::SensorProfile> cameras() const;
 
   /// Returns the averaged weights and the patterns as a model. Patterns that are still being learned are rounded to 0
-  /// and 1. A network for any patterns is adapted to those of patterns.codes; this fails as geometry::for_patterns()
-  /// does.
+  /// and 1. Fails as Task::complete() does.
   [[nodiscard]] Result<model::Model> to_model() const;
 
   [[nodiscard]] uint64_t step() const { return step_; }
   [[nodiscard]] const Config& config() const { return config_; }
-  [[nodiscard]] const NamedTensors& parameters() const { return network_.parameters(); }
+  [[nodiscard]] const NamedTensors& parameters() const { return task_->network().parameters(); }
   [[nodiscard]] const NamedTensors& average() const { return average_; }
+  [[nodiscard]] LogFigures figures() const { return task_->figures(); }
 
  private:
-  Trainer(Config config, Batches batches, std::shared_ptr<DepthTask> depth, NetworkModule network, torch::Device device,
-          const Peers& peers);
+  Trainer(Config config, std::unique_ptr<Task> task, torch::Device device, const Peers& peers);
+  [[nodiscard]] Result<void> choose_patterns();
+  [[nodiscard]] Result<void> start_at(const std::string& name);
   /// Returns all tensors that change between steps, with the prefixes of their names in checkpoints.
   [[nodiscard]] std::vector<std::pair<const char*, const NamedTensors*>> state() const;
-  struct StepLoss {
-    torch::Tensor loss, figure;
-  };
-  /// Computes the loss of the present step, and the means of the inputs of the layers that are to be centred.
-  [[nodiscard]] Result<StepLoss> step_loss(NamedTensors* input_means);
   [[nodiscard]] Result<void> start_together();
   [[nodiscard]] Result<bool> any_peer(bool value) const;
   [[nodiscard]] Result<void> backward(const torch::Tensor& loss);
@@ -83,16 +77,13 @@ class Trainer {
     return !fixed_codes_.defined() && step_ < config_.patterns.learn_steps;
   }
   [[nodiscard]] torch::Tensor current_codes() const;
-  [[nodiscard]] Pipeline pipeline_with(const NamedTensors& weights, const torch::Tensor& codes) const;
   [[nodiscard]] StepRow step_row(const StepReport& report, double samples_per_s) const;
   [[nodiscard]] Result<void> log_evaluation(const RunLog& log) const;
 
   Config config_;
   torch::Device device_;
   Peers peers_;
-  Batches batches_;
-  std::shared_ptr<DepthTask> depth_;  ///< null for networks of views
-  NetworkModule network_;             ///< shares its parameters with depth_
+  std::unique_ptr<Task> task_;
   Patterns patterns_;
   torch::Tensor fixed_codes_;  // undefined while patterns_ is trained
   NamedTensors pattern_parameters_;
