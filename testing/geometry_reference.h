@@ -140,7 +140,9 @@ inline Result<ReferencePlanes> warp_reference(ReferenceCall& call) {
 
 /// Lets run_reference() compute them.
 inline const bool g_is_added = [] {
-  engine::added_references().insert({{GeometryOp::kPlaneSweep, sweep_reference}, {GeometryOp::kRenderLayers, render_reference}, {GeometryOp::kWarp, warp_reference}});
+  engine::added_references().insert({{GeometryOp::kPlaneSweep, sweep_reference},
+                                     {GeometryOp::kRenderLayers, render_reference},
+                                     {GeometryOp::kWarp, warp_reference}});
   return true;
 }();
 

@@ -115,7 +115,8 @@ std::shared_ptr<VideoModel> read_video_model(const fs::path& path) {
 
 void bind_light_field_model(py::module_& module) {
   py::class_<Model, std::shared_ptr<Model>> bound(module, "Model", "The content of a model file.");
-  bound.def(py::init(&read_model), py::arg("name"), py::arg("codes") = py::none(), "Reads a model as read_model() does.")
+  bound
+      .def(py::init(&read_model), py::arg("name"), py::arg("codes") = py::none(), "Reads a model as read_model() does.")
       .def_static("of", &model_of<Model>, py::arg("header"), py::arg("weights"), py::arg("codes") = py::none(),
                   "Makes a model from its parts, which are checked as those of a file.\n\n"
                   "header, weights: as the properties of the same names. codes: the patterns [N, view_y, view_x].")

@@ -117,9 +117,8 @@ Result<model::Model> rendered_for_patterns(model::Model picture, model::Model di
   picture.views_y = codes.views_y;
   picture.views_x = codes.views_x;
   picture.open_guide = nullptr;
-  E2LF_ASSIGN_OR_RETURN(
-      model::Model result,
-      model::rendered(std::move(picture), std::move(disparity), Planes(aperture, codes).fill()));
+  E2LF_ASSIGN_OR_RETURN(model::Model result,
+                        model::rendered(std::move(picture), std::move(disparity), Planes(aperture, codes).fill()));
   result.is_adapted = true;
   E2LF_RETURN_IF_ERROR(model::validate(result, result.name));
   return result;

@@ -8,7 +8,8 @@ namespace e2lf::geometry {
 void add_operations() {
   static std::once_flag once;
   std::call_once(once, [] {
-    for (const engine::Operation& operation : {plane_sweep(), render_layers(), warp()}) engine::add_operation(operation);
+    for (const engine::Operation& operation : {plane_sweep(), render_layers(), warp()})
+      engine::add_operation(operation);
   });
 }
 

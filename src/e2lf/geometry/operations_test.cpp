@@ -151,10 +151,8 @@ TEST(GeometryOperations, PicturesOfAPlaneAgreeWhereTheyAreMovedByItsDisparity) {
   }
   input.insert(input.end(), kSide * kSide, float{kDisparity});
   Layer pictures = conv("pictures", "input", 2, 1, false), map = conv("map", "input", 1, 1, false);
-  const model::Weights weights = {{"pictures.weight", {1, 0, 0, 0, 1, 0}},
-                                  {"pictures.bias", {0, 0}},
-                                  {"map.weight", {0, 0, 1}},
-                                  {"map.bias", {0}}};
+  const model::Weights weights = {
+      {"pictures.weight", {1, 0, 0, 0, 1, 0}}, {"pictures.bias", {0, 0}}, {"map.weight", {0, 0, 1}}, {"map.bias", {0}}};
   const auto moved = run_engine({3, {pictures, map, warp_layer("pictures", "map")}}, weights, input, kSide, kSide);
   for (size_t i = 0; i < 2 * kSide * kSide; ++i) {
     const size_t y = i / kSide % kSide, x = i % kSide;

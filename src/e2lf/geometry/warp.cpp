@@ -164,10 +164,9 @@ std::string export_warp(model::OnnxCall& call) {
     const std::string grid = call.slice(places, c % pictures, c % pictures + 1, own + "/grid");
     const std::string axis = graph.add_constant(own + "/axis", model::Integers{1});
     const std::string flat = graph.add_node("Squeeze", {grid, axis}, own + "/places");
-    moved.push_back(graph.add_node("GridSample", {picture, flat}, own,
-                                   {{"align_corners", int64_t{1}},
-                                    {"mode", std::string("bilinear")},
-                                    {"padding_mode", std::string("border")}}));
+    moved.push_back(graph.add_node(
+        "GridSample", {picture, flat}, own,
+        {{"align_corners", int64_t{1}}, {"mode", std::string("bilinear")}, {"padding_mode", std::string("border")}}));
   }
   return graph.add_node("Concat", moved, call.output, {{"axis", int64_t{1}}});
 }

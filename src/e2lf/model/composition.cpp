@@ -292,8 +292,9 @@ Result<void> read_central_input(const CentralInput& input, size_t channels, Mode
   const auto reads_input = [](const Layer& layer) { return std::ranges::count(layer.inputs, "input") > 0; };
   if (!is_picture_network(picture) || first.op != Op::kConv || first.kernel != first.stride ||
       std::ranges::count_if(picture.network.layers, reads_input) != 1) {
-    return misfit(picture.name, "the first layer must be a convolution whose kernel is its stride, and the only one "
-                                "that reads the input");
+    return misfit(picture.name,
+                  "the first layer must be a convolution whose kernel is its stride, and the only one "
+                  "that reads the input");
   }
   const size_t taps = first.kernel * first.kernel;
   const std::vector<float>& central = picture.weights.at(first.name + ".weight");

@@ -37,8 +37,9 @@ struct Guide {
 /// the network of disparity, in their order.
 struct CentralInput {
   std::vector<double> offsets;  ///< of P pictures from the reference view, (row, column), view steps
-  std::vector<size_t> moved;    ///< the input channels that are moved to it by the disparity, feature g of picture p at g P + p
-  std::vector<float> base;      ///< weights of the moved channels in the picture to which the network adds its output
+  std::vector<size_t>
+      moved;  ///< the input channels that are moved to it by the disparity, feature g of picture p at g P + p
+  std::vector<float> base;  ///< weights of the moved channels in the picture to which the network adds its output
   /// Weights [kCentralPlanes, inputs + moved + kDepthOutputs] and bias of InputKind::kCentral.
   std::vector<float> weight, bias;
 };

@@ -45,8 +45,7 @@ inline constexpr size_t kCentralPlanes = 52;
 inline constexpr Choice<InputKind> kInputKinds[] = {
     {"counts", InputKind::kCounts},       {"cumulative", InputKind::kCumulative}, {"level", InputKind::kLevel},
     {"intensity", InputKind::kIntensity}, {"camera", InputKind::kCamera},         {"images", InputKind::kImages},
-    {"image-sum", InputKind::kImageSum},  {"lens-array", InputKind::kLensArray},
-    {"central", InputKind::kCentral},
+    {"image-sum", InputKind::kImageSum},  {"lens-array", InputKind::kLensArray},  {"central", InputKind::kCentral},
 };
 
 struct InputGroup {
@@ -101,9 +100,9 @@ struct Model {
   /// What geometry::for_patterns() makes the weights of other patterns of, by the names of weights; empty for networks
   /// that work for `codes` alone.
   std::map<std::string, SharedWeights> any_patterns = {};
-  bool is_adapted = false;  ///< geometry::for_patterns() made it for `codes`; files do not state it
-  PrecisionLoss precision_loss = {};              ///< precisions that were checked for these weights
-  Json provenance = Json::object();               ///< free-form: data, samples seen, seed, command, results
+  bool is_adapted = false;            ///< geometry::for_patterns() made it for `codes`; files do not state it
+  PrecisionLoss precision_loss = {};  ///< precisions that were checked for these weights
+  Json provenance = Json::object();   ///< free-form: data, samples seen, seed, command, results
   std::vector<std::filesystem::path> parts = {};  ///< files of the models that it was composed of; see composition.h
   /// The network for any patterns that the views follow as soon as geometry::for_patterns() adapts it; usually null.
   std::shared_ptr<const OpenGuide> open_guide = {};

@@ -449,10 +449,9 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
 }
 
 bool is_conditioned_on_camera(const Model& model) {
-  return std::any_of(model.input.begin(), model.input.end(),
-                     [](const InputGroup& group) {
-                       return group.kind == InputKind::kCamera || group.kind == InputKind::kCentral;
-                     });
+  return std::any_of(model.input.begin(), model.input.end(), [](const InputGroup& group) {
+    return group.kind == InputKind::kCamera || group.kind == InputKind::kCentral;
+  });
 }
 
 bool is_picture_network(const Model& model) {

@@ -86,7 +86,8 @@ check "$(error_of chosen-evk4-lcos) < 0.6 * $(error_of never_seen)"
 grep -q "event.*model" warned.txt || fail "no warning: $(cat warned.txt)"
 other_codes other.npy
 "$E2LF" simulate scene --codes other.npy --camera evk4-lcos -o other.npz --quiet
-fails 1 "bundled network" "$E2LF" reconstruct other.npz -o x
+"$E2LF" reconstruct other.npz -o adapted 2>err.txt
+grep -q "e2lf-any, adapted to these patterns, for physical pixels" err.txt || fail "$(cat err.txt)"
 fails 1 "bare.npz" "$E2LF" reconstruct bare.npz -o x
 py - <<'EOF'
 import numpy as np

@@ -33,7 +33,7 @@ part documents_tutorial
 # The commands of the tutorial work as written.
 source "$TESTSUITE/documents/page.sh"
 page docs/tutorial.md
-exists tutorial/out/mine/cycles/cycle_00002/07_07.png tutorial/out/mine/inversion/epi.png
+exists tutorial/out/mine/cycles/cycle_00002/07_07.png tutorial/out/mine/views/epi.png tutorial/out/mine/depth
 
 part licences
 # docs/packages.md names every library that the program loads.

@@ -95,8 +95,8 @@ TEST(GeometryOperationsOfTorch, EqualThoseOfTheEngine) {
   views.inputs = {"planes"};
   const model::Network network = {
       3,
-      {conv("features", "input", 4, 2, false, "", 2), conv("map", "input", 1, 2, false, "", 2), moved, sweep, conv("weighed", "sweep", 24, 3),
-       reshape("planes", model::Op::kPixelShuffle, {"weighed"}, 2), views}};
+      {conv("features", "input", 4, 2, false, "", 2), conv("map", "input", 1, 2, false, "", 2), moved, sweep,
+       conv("weighed", "sweep", 24, 3), reshape("planes", model::Op::kPixelShuffle, {"weighed"}, 2), views}};
   torch::manual_seed(9);
   torch::NoGradGuard no_grad;
   const NetworkModule module(network, torch::kCPU);
