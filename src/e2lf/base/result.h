@@ -56,14 +56,15 @@ enum class ErrorCode {
 /// Returns the name of a code as used in JSON output, e.g. "not_found".
 [[nodiscard]] const char* error_code_name(ErrorCode code);
 
-/// How a program spells the option with this name: "--sensor-width" for "sensor_width", or "" if it has none.
+/// How a program spells the option with this name, such as the flag for "sensor_width", or "" if it has none.
 using OptionSpelling = std::function<std::string(const std::string& name)>;
 
 /// Installs the spelling and returns the previous one. Without one, options are spelled as they are named, which are
 /// the keywords of Python. It must be called before any threads are started.
 OptionSpelling set_option_spelling(OptionSpelling spelling);
 
-/// Returns " (--sensor-width)" to end a message about this option, or "" without a name or a spelling.
+/// Returns the spelling of the option in parentheses after a space, to end a message about it, or "" without a name or a
+/// spelling.
 [[nodiscard]] std::string option_hint(const std::string& name);
 
 /// Describes bad data as a value. `message` reads "<what went wrong>; <what to do>". `location` is a file and a place

@@ -63,7 +63,7 @@ for line in open("rig_triggers.csv").read().splitlines():
 open("delayed_triggers.csv", "w").write("\n".join(out) + "\n")
 PY
 "$E2LF" accumulate delayed.csv -o delayed.npz --sensor-width 96 --sensor-height 64 --json >delayed.json 2>err.txt
-grep -q "before the trigger of each pattern.*--edge" err.txt || fail "$(cat err.txt delayed.json)"
+grep -q "before the trigger of each pattern.*other edge.*--trigger-delay-us" err.txt || fail "$(cat err.txt delayed.json)"
 check "0 <= $(json right.json "j['event_delay_us']") < 1000"
 check "abs($(json right.json "j['event_delay_us']") - $(json delayed.json "j['event_delay_us']") - 1500) < 250"
 # The delay of the triggers gives back the events.
