@@ -54,10 +54,10 @@ TEST(CycleInput, ErrorsNameTheOption) {
     return CycleInput::open(std::move(file), options).error().option;
   };
   EXPECT_EQ(option(file_of({1, 2, 3}), {.cycles_per_field = 3, .max_cycles = 2}), "max_cycles");
-  EXPECT_EQ(option(file_of({1}), {.cycles_per_field = 2}), "");
+  EXPECT_EQ(option(file_of({1}), {.cycles_per_field = 2}), "cycles_per_field");
   capture::MeasurementFile images = file_of({1, 1});
   for (auto& cycle : images.cycles) cycle.kind = capture::MeasurementKind::kCodedImages;
-  EXPECT_EQ(option(images, {.cycles_per_field = 2}), "cycles");
+  EXPECT_EQ(option(images, {.cycles_per_field = 2}), "cycles_per_field");
   EXPECT_EQ(option(images, {.cycles = {.invert_polarity = true}}), "invert_polarity");
 }
 
