@@ -82,8 +82,13 @@ Result<void> EventRun::open_method_of_input() {
   choice.transitions = input_.transitions();
   choice.lit_where_moving = choice.algorithm != Algorithm::kDepth && options_.events.schedule.transitions == "auto";
   E2LF_ASSIGN_OR_RETURN(choice.events, input_.setup());
-  E2LF_ASSIGN_OR_RETURN(
-      chosen_, choose_method(std::move(choice), options_.use, is_recording() ? &reader().schedule() : nullptr));
+  auto chosen = choose_method(std::move(choice), options_.use, is_recording() ? &reader().schedule() : nullptr);
+  if (!chosen) {
+    Error error = chosen.error();
+    if (error.location.empty()) error.location = options_.events.input;
+    return error;
+  }
+  chosen_ = std::move(*chosen);
   if (options_.use.fused_cycles > 1) {
     E2LF_RETURN_IF_ERROR(input_.fuse(method().sensor(), options_.use.fused_cycles));
   }
