@@ -63,8 +63,8 @@ using OptionSpelling = std::function<std::string(const std::string& name)>;
 /// the keywords of Python. It must be called before any threads are started.
 OptionSpelling set_option_spelling(OptionSpelling spelling);
 
-/// Returns the spelling of the option in parentheses after a space, to end a message about it, or "" without a name or a
-/// spelling.
+/// Returns the spelling of the option in parentheses after a space, to end a message about it, or "" without a name or
+/// a spelling.
 [[nodiscard]] std::string option_hint(const std::string& name);
 
 /// Describes bad data as a value. `message` reads "<what went wrong>; <what to do>". `location` is a file and a place
