@@ -55,7 +55,7 @@ class ModuleNetwork : public engine::DeviceNetwork {
 
   [[nodiscard]] engine::Precision precision() const override {
     const py::gil_scoped_acquire gil;
-    return from_word(module_.attr("precision").cast<std::string>());
+    return choice_of(module_.attr("precision").cast<std::string>(), engine::kPrecisions).value();
   }
   [[nodiscard]] std::vector<std::string> describe() const override {
     const py::gil_scoped_acquire gil;
@@ -63,13 +63,6 @@ class ModuleNetwork : public engine::DeviceNetwork {
   }
 
  private:
-  static engine::Precision from_word(const std::string& word) {
-    for (const auto& [name, value] : engine::kPrecisions) {
-      if (word == name) return value;
-    }
-    return engine::Precision::kFloat32;
-  }
-
   py::object module_;
 };
 

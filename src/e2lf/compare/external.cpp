@@ -57,10 +57,12 @@ Result<pid_t> start(std::vector<std::string> words) {
 }
 
 Result<void> wait_for(pid_t child, const std::string& program) {
-  int status = 0;
+  constexpr auto kPoll = std::chrono::milliseconds(10);
+  constexpr int kPatience = 500;  // polls from the request to stop until the program is killed
+  int status = 0, polls = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
-    if (stop_requested()) ::kill(child, SIGTERM);
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    if (stop_requested()) ::kill(child, ++polls > kPatience ? SIGKILL : SIGTERM);
+    std::this_thread::sleep_for(kPoll);
   }
   if (stop_requested()) return fail(ErrorCode::kCancelled, program, "the program was stopped");
   if (WIFSIGNALED(status)) {
@@ -77,7 +79,9 @@ Result<void> wait_for(pid_t child, const std::string& program) {
 Result<lightfield::LightField> run_external(const std::vector<std::string>& command,
                                             const capture::EventImageFile& events) {
   const ExchangeFolder folder;
-  if (!folder.exists()) return fail(ErrorCode::kIo, fs::temp_directory_path(), "cannot create a folder there");
+  if (!folder.exists())
+    return fail(ErrorCode::kIo, fs::temp_directory_path(),
+                "cannot create a folder there; set TMPDIR to one that can be written");
   const fs::path input = folder.file("events.npz"), output = folder.file("light_field.npy");
   E2LF_RETURN_IF_ERROR(capture::write_event_images(input, events));
   std::vector<std::string> words = command;

@@ -34,9 +34,9 @@ Spread measure(std::span<const float> pattern, size_t columns, double area, doub
   }
   picture.offset_y = row - reference_y;
   picture.offset_x = column - reference_x;
-  const double share = area / static_cast<double>(pattern.size());
-  picture.log_area = std::log(share / kAreas[std::min(number, kSlots - 1)]);
-  picture.gain = kAreas[1] / share;
+  picture.area = area / static_cast<double>(pattern.size());
+  picture.log_area = std::log(picture.area / kAreas[std::min(number, kSlots - 1)]);
+  picture.gain = kAreas[1] / picture.area;
   picture.weight = 1 / (0.5 + spread[0] + spread[1]);
   return spread;
 }

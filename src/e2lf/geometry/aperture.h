@@ -19,6 +19,7 @@ inline constexpr size_t kSlots = 3;
 struct AperturePicture {
   size_t transition = 0;                  ///< number of the event image that ends with this pattern
   double offset_y = 0, offset_x = 0;      ///< centroid of the pattern from view (views_y / 2, views_x / 2), view steps
+  double area = 0;                        ///< of the pattern, as a share of the open aperture
   double log_area = 0;                    ///< logarithm of the area over that of the pattern of e2lf-n4 in this place
   double gain = 1;                        ///< what makes the intensities behind all patterns alike
   double weight = 1;                      ///< in comparisons: sharper pictures have more; 1 in the mean

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/geometry/central_picture.h"
 
-#include <numeric>
+#include <algorithm>
 #include <utility>
 
 #include "e2lf/geometry/aperture.h"
@@ -10,27 +10,27 @@
 namespace e2lf::geometry {
 namespace {
 
-constexpr size_t kMovedGroups = 2;       // levels and intensities
-constexpr double kIntensityScale = 4.0;  // of the input, as networks of disparity for any patterns have it
-constexpr float kDepthScale = 0.3F;      // of disparity and scale among the planes
+constexpr size_t kMovedGroups = 2;   // levels and intensities
+constexpr float kDepthScale = 0.3F;  // of disparity and scale among the planes
+static_assert(model::kCentralPlanes == 2 * kMovedGroups * kSlots + /*light*/ 2 + model::kDepthOutputs +
+                                           kApertureConstants + capture::kNumFixedConditions +
+                                           /*transmissions*/ kSlots);
 
 /// Fills the weights of InputKind::kCentral plane by plane.
 class Planes {
  public:
-  Planes(const Aperture& aperture, const capture::Codes& codes)
+  /// `intensity_scale`: of the intensities in the input.
+  Planes(const Aperture& aperture, size_t num_patterns, double intensity_scale)
       : aperture_(aperture),
-        transitions_(codes.num_patterns - 1),
-        inputs_(3 * transitions_ + capture::conditioning_size(codes.num_patterns)) {
+        transitions_(num_patterns - 1),
+        inputs_(3 * transitions_ + capture::conditioning_size(num_patterns)),
+        intensity_scale_(intensity_scale) {
     const size_t pictures = aperture.pictures.size();
     columns_ = inputs_ + kMovedGroups * pictures + model::kDepthOutputs;
     result_.weight.resize(model::kCentralPlanes * columns_);
     result_.bias.resize(model::kCentralPlanes);
     result_.base.resize(kMovedGroups * pictures);
-    for (size_t p = 0; p < pictures; ++p) {
-      const AperturePicture& picture = aperture.pictures[p];
-      const std::span<const float> pattern = codes.pattern(picture.transition + 1);
-      const double total = std::accumulate(pattern.begin(), pattern.end(), 0.0);
-      areas_.push_back(total / static_cast<double>(pattern.size()));
+    for (const AperturePicture& picture : aperture.pictures) {
       result_.offsets.insert(result_.offsets.end(), {picture.offset_y, picture.offset_x});
     }
   }
@@ -81,13 +81,15 @@ class Planes {
 
   /// The light of the open aperture, as the means of what the pictures show, by their areas and by their sharpness.
   void add_light() {
-    const double area = std::accumulate(areas_.begin(), areas_.end(), 0.0);
+    double area = 0;
+    for (const AperturePicture& picture : aperture_.pictures) area += picture.area;
     const auto number = static_cast<double>(pictures());
     for (size_t p = 0; p < pictures(); ++p) {
-      const double by_area = 1 / (kIntensityScale * area);
+      const AperturePicture& picture = aperture_.pictures[p];
+      const double by_area = 1 / (intensity_scale_ * area);
       result_.base[pictures() + p] = static_cast<float>(by_area);
       set(plane_, moved(1, p), by_area);
-      set(plane_ + 1, moved(1, p), aperture_.pictures[p].weight / number / (kIntensityScale * areas_[p]));
+      set(plane_ + 1, moved(1, p), picture.weight / number / (intensity_scale_ * picture.area));
     }
     plane_ += 2;
   }
@@ -102,7 +104,7 @@ class Planes {
 
   const Aperture& aperture_;
   size_t transitions_, inputs_, columns_ = 0, plane_ = 0;
-  std::vector<double> areas_;
+  double intensity_scale_;
   model::CentralInput result_;
 };
 
@@ -117,8 +119,10 @@ Result<model::Model> rendered_for_patterns(model::Model picture, model::Model di
   picture.views_y = codes.views_y;
   picture.views_x = codes.views_x;
   picture.open_guide = nullptr;
-  E2LF_ASSIGN_OR_RETURN(model::Model result,
-                        model::rendered(std::move(picture), std::move(disparity), Planes(aperture, codes).fill()));
+  const auto intensity = std::ranges::find(disparity.input, model::InputKind::kIntensity, &model::InputGroup::kind);
+  const double scale = intensity == disparity.input.end() ? 1.0 : double{intensity->scale};
+  E2LF_ASSIGN_OR_RETURN(model::Model result, model::rendered(std::move(picture), std::move(disparity),
+                                                             Planes(aperture, codes.num_patterns, scale).fill()));
   result.is_adapted = true;
   E2LF_RETURN_IF_ERROR(model::validate(result, result.name));
   return result;

@@ -7,8 +7,8 @@
 /// Light fields for any patterns; internal to this module.
 namespace e2lf::geometry {
 
-/// Composes a network of the central picture (model::is_picture_network()) with the network of disparity for `codes`,
-/// from which `disparity` was adapted. Fails with kUnsupported if `codes` are those of a whole cycle, and as
+/// Composes a network of the central picture (model::is_picture_network()) with one of disparity that was adapted to
+/// `codes`. Fails with kUnsupported if `codes` are those of a whole cycle, and as
 /// describe_aperture() and model::rendered() do.
 [[nodiscard]] Result<model::Model> rendered_for_patterns(model::Model picture, model::Model disparity,
                                                          const capture::Codes& codes);

@@ -68,8 +68,8 @@ struct FieldReport {
   float confidence = 1;
   QualityLevel level;
   double reconstruct_s = 0;
-  double latency_s =
-      0;  ///< time from the arrival of the last event to the completion of the picture; 0 = after the end
+  /// Time from the arrival of the last event to the completion of the picture; 0 = after the end.
+  double latency_s = 0;
 };
 
 /// Event images in the resolution of a picture.

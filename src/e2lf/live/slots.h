@@ -82,7 +82,7 @@ class Published {
     return has_wanted() ? newest_ : nullptr;
   }
 
-  /// Declares that nobody need wait for further values.
+  /// Ends all waiting, now and later.
   void close() {
     {
       const std::lock_guard lock(mutex_);

@@ -171,8 +171,11 @@ Result<void> validate(const Model& model, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_any_patterns(model, location));
   if (model.open_guide) {
     return refuse(location, "composed_of",
-                  "the network is for any patterns; give those that the camera shows, to which it is then adapted",
-                  ErrorCode::kUnsupported);
+                  "the network is for any patterns; give those that the camera shows, or adapt it to them with `e2lf "
+                  "model "
+                  "store`",
+                  ErrorCode::kUnsupported)
+        .about("codes");
   }
   if (model.provenance.is_object()) return {};
   return refuse(location, "provenance", "the provenance is not a JSON object; enclose it in { }");

@@ -41,6 +41,15 @@ struct ScheduleChoice {
 /// Events that were opened: the content of a file of measurements, or a recording.
 using EventSource = std::variant<capture::MeasurementFile, std::unique_ptr<recordings::RecordingReader>>;
 
+/// Returns a result whose error names `input` if it has no location of its own.
+template <typename T>
+[[nodiscard]] Result<T> naming(const std::filesystem::path& input, Result<T> result) {
+  if (result || !result.error().location.empty()) return result;
+  Error error = result.error();
+  error.location = input.string();
+  return error;
+}
+
 /// How events are divided into cycles and summed.
 struct CycleInputOptions {
   std::filesystem::path input = {};  ///< the name under which the events were opened

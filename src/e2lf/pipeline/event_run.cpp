@@ -82,13 +82,9 @@ Result<void> EventRun::open_method_of_input() {
   choice.transitions = input_.transitions();
   choice.lit_where_moving = choice.algorithm != Algorithm::kDepth && options_.events.schedule.transitions == "auto";
   E2LF_ASSIGN_OR_RETURN(choice.events, input_.setup());
-  auto chosen = choose_method(std::move(choice), options_.use, is_recording() ? &reader().schedule() : nullptr);
-  if (!chosen) {
-    Error error = chosen.error();
-    if (error.location.empty()) error.location = options_.events.input;
-    return error;
-  }
-  chosen_ = std::move(*chosen);
+  const cycles::Schedule* const schedule = is_recording() ? &reader().schedule() : nullptr;
+  E2LF_ASSIGN_OR_RETURN(chosen_,
+                        naming(options_.events.input, choose_method(std::move(choice), options_.use, schedule)));
   if (options_.use.fused_cycles > 1) {
     E2LF_RETURN_IF_ERROR(input_.fuse(method().sensor(), options_.use.fused_cycles));
   }
@@ -116,7 +112,8 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
     result.findings =
         diagnose::check_event_images(result.cycle.images.events, codes ? &*codes : nullptr, options_.use.cycles);
   }
-  E2LF_RETURN_IF_ERROR(sequence_ ? make_light_field(result, progress) : make_map(result, progress));
+  E2LF_RETURN_IF_ERROR(
+      naming(options_.events.input, sequence_ ? make_light_field(result, progress) : make_map(result, progress)));
   keep(result);
   return std::optional(std::move(result));
 }

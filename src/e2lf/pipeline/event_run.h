@@ -66,8 +66,8 @@ struct ChosenMethod {
 /// and fuses cycles, uses the lit transitions where the scene moves, and judges the input and the results.
 class EventRun {
  public:
-  /// Fails with kInvalidValue if all counts of a file are 0 or if an option does not apply to the events (the location
-  /// is the option, or empty), and as CycleInput::open(), CycleInput::setup(), open_method() and OpenedMethod::ready()
+  /// Fails with kInvalidValue if all counts of a file are 0 or if an option does not apply to the events (the error
+  /// names it), and as CycleInput::open(), CycleInput::setup(), open_method() and OpenedMethod::ready()
   /// do.
   [[nodiscard]] static Result<EventRun> open(EventSource source, EventRunOptions options);
 

@@ -160,8 +160,9 @@ Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
   std::optional<Deadline> deadline;
   if (is_live(arguments.input)) deadline.emplace(arguments.seconds);
   E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb));
-  E2LF_ASSIGN_OR_RETURN(const RigReport report,
-                        pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); }));
+  E2LF_ASSIGN_OR_RETURN(
+      const RigReport report,
+      pipeline::naming(arguments.input, pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); })));
   Json json = rig_json(report);
   json["input"] = arguments.input.string();
   if (input.is_recording()) {

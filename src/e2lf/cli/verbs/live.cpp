@@ -78,7 +78,8 @@ Result<void> check_takes_events(const pipeline::OpenedMethod& method, const fs::
 Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
                                             pipeline::MethodChoice choice) {
   choice.transitions = cycles.schedule().num_images();
-  E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method, pipeline::open_method(std::move(choice)));
+  E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
+                        pipeline::naming(arguments.source, pipeline::open_method(std::move(choice))));
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   return method;
 }
@@ -150,7 +151,8 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   const cycles::CycleReader& cycles = setup.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
   choice.transitions = cycles.schedule().num_images();
-  E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen, pipeline::choose_method(choice, use, &cycles.schedule()));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen,
+                        pipeline::naming(arguments.source, pipeline::choose_method(choice, use, &cycles.schedule())));
   const pipeline::OpenedMethod& method = chosen.method;
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
   record_method(method, 1, record);
