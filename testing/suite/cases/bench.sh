@@ -64,9 +64,8 @@ done
 part bench_train
 # Training and synthesis against plain libtorch: every row is there, on as many threads as asked for.
 [ -x "$E2LF-bench-train" ] || exit 0
-"$E2LF-bench" train --batch 1 --steps 1 --threads 1 >table.txt
-grep -q "; 1 threads" table.txt || fail "threads: $(head -1 table.txt)"
-"$E2LF-bench" train --batch 1 --steps 1 --json >rows.json
+"$E2LF-bench" train --batch 1 --steps 1 --threads 1 --json >rows.json
+[ "$(json rows.json "j['threads']")" = 1 ] || fail "threads"
 [ "$(json rows.json "[r['ratio'] for r in j['rows'] if r['name'] == \"torch's sampling\"]")" = "[1.0]" ] || fail "synthesis by torch"
 [ "$(json rows.json "sorted({r['job'] for r in j['rows']})")" = "['synthesis', 'training']" ] || fail "jobs"
 [ "$(json rows.json "all(r['samples_per_s'] > 0 for r in j['rows'])")" = True ] || fail "speeds"

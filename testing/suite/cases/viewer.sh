@@ -58,8 +58,7 @@ PY
 "$E2LF" view "$SOURCES/models/e2lf-n4.safetensors" --export model.html --quiet
 "$E2LF" view light.npy other.npy events.npz "$SOURCES/models/e2lf-n4.safetensors" --export all.html --quiet
 
-"$E2LF" simulate demo/scene -m "$SOURCES/models/e2lf-n4.safetensors" --cycles 240 -o long.raw --quiet
-"$E2LF" simulate demo/scene -m "$SOURCES/models/e2lf-n4.safetensors" --cycles 600 -o longer.raw --quiet
+"$E2LF" simulate demo/scene -m "$SOURCES/models/e2lf-n4.safetensors" --cycles 40 -o long.raw --quiet
 "$E2LF" reconstruct long.raw -m "$SOURCES/models/e2lf-n4.safetensors" --format npy -o long --quiet
 
 E2LF=$E2LF E2LF_MODEL=$SOURCES/models/e2lf-n4.safetensors node "$viewer/test/run.mjs"
