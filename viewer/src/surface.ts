@@ -1,8 +1,9 @@
 // The surface that a relief shows: a grid of disparities that is smooth within things, open at jumps and where nothing is
-// certain, and closed across holes whose sides agree.
+// certain, without outliers, and closed across holes whose sides agree.
 import type { DisparityMap } from './disparity_map';
 
 const numSmoothings = 6;
+const outlierRadius = 3; // vertices
 
 export interface Surface {
   columns: number;
@@ -24,8 +25,10 @@ export function surfaceOf(map: DisparityMap, step: number, leastConfidence: numb
       disparities[row * columns + column] = meanAround(map, column * step, row * step, step, jump, leastConfidence);
     }
   }
+  dropOutliers(disparities, columns, rows, jump);
   smooth(disparities, columns, rows, jump);
   closeHoles(disparities, columns, rows, 2 * jump);
+  smooth(disparities, columns, rows, jump);
   return { columns, rows, step, disparities, triangles: trianglesOf(disparities, columns, rows, jump) };
 }
 
@@ -80,30 +83,58 @@ function smooth(disparities: Float32Array, columns: number, rows: number, jump: 
   }
 }
 
-/** Fills holes along rows and columns by the line between their two sides if these agree, which is so within a thing. */
+/** Clears the vertices with which fewer than a third of the known ones around them agree: wrong matches, which would tear
+ *  the surface. Twice, because they come in groups. */
+function dropOutliers(disparities: Float32Array, columns: number, rows: number, jump: number): void {
+  for (let pass = 0; pass < 2; ++pass) {
+    const before = disparities.slice();
+    for (let row = 0; row < rows; ++row) {
+      for (let column = 0; column < columns; ++column) {
+        const middle = before[row * columns + column]!;
+        let known = 0, agreeing = 0;
+        for (let y = Math.max(row - outlierRadius, 0); y <= Math.min(row + outlierRadius, rows - 1); ++y) {
+          for (let x = Math.max(column - outlierRadius, 0); x <= Math.min(column + outlierRadius, columns - 1); ++x) {
+            const difference = Math.abs(before[y * columns + x]! - middle);
+            known += Number(!Number.isNaN(difference));
+            agreeing += Number(difference <= jump);
+          }
+        }
+        if (3 * agreeing < known) disparities[row * columns + column] = NaN;
+      }
+    }
+  }
+}
+
+/** Fills holes by the lines between opposite sides that agree, which is so within a thing. Of the four lines through a
+ *  vertex, two have to: one alone may join two things. */
 export function closeHoles(disparities: Float32Array, columns: number, rows: number, jump: number): void {
   const widest = Math.max(Math.round(columns / 6), 2);
   const sums = new Float32Array(disparities.length), weights = new Float32Array(disparities.length);
-  const fill = (first: number, stride: number, count: number) => {
-    let last = -1;
-    for (let i = 0; i < count; ++i) {
-      const value = disparities[first + i * stride]!;
+  const numLines = new Uint8Array(disparities.length);
+  const fill = (column: number, row: number, right: number, down: number) => {
+    let last = -1, lastValue = NaN, length = 0;
+    for (let x = column, y = row; x >= 0 && x < columns && y < rows; x += right, y += down, ++length) {
+      const value = disparities[y * columns + x]!;
       if (Number.isNaN(value)) continue;
-      const gap = i - last;
-      const before = disparities[first + last * stride]!;
-      if (last >= 0 && gap > 1 && gap <= widest && Math.abs(value - before) <= jump) {
+      const gap = length - last;
+      if (last >= 0 && gap > 1 && gap <= widest && Math.abs(value - lastValue) <= jump) {
         for (let k = 1; k < gap; ++k) {
-          const at = first + (last + k) * stride;
-          sums[at]! += (before + (k / gap) * (value - before)) / gap;
+          const at = (y - (gap - k) * down) * columns + x - (gap - k) * right;
+          sums[at]! += (lastValue + (k / gap) * (value - lastValue)) / gap;
           weights[at]! += 1 / gap;
+          ++numLines[at]!;
         }
       }
-      last = i;
+      [last, lastValue] = [length, value];
     }
   };
-  for (let row = 0; row < rows; ++row) fill(row * columns, 1, columns);
-  for (let column = 0; column < columns; ++column) fill(column, columns, rows);
-  for (let i = 0; i < disparities.length; ++i) if (weights[i]! > 0) disparities[i] = sums[i]! / weights[i]!;
+  for (let row = 0; row < rows; ++row) {
+    fill(0, row, 1, 0);
+    if (row > 0) fill(0, row, 1, 1);
+    if (row > 0) fill(columns - 1, row, -1, 1);
+  }
+  for (let column = 0; column < columns; ++column) for (const right of [0, 1, -1]) fill(column, 0, right, 1);
+  for (let i = 0; i < disparities.length; ++i) if (numLines[i]! > 1) disparities[i] = sums[i]! / weights[i]!;
 }
 
 /** Returns two triangles for each cell between four vertices, unless the surface is open or jumps there. Pieces of a few

@@ -76,7 +76,7 @@ export const tests = {
     assert.equal(await numGrey(), 64, 'none has one');
   }),
 
-  'a relief leaves out uncertain points, closes holes whose sides agree, and is saved as glTF': async ({ url }) => {
+  'a relief leaves out uncertain points and outliers, closes holes whose sides agree, and is saved as glTF': async ({ url }) => {
     const { disparity, isOpen } = JSON.parse(readFileSync('surface.json', 'utf8'));
     await withPage(url('surface.html', 'show=relief&turn=0&tip=0&depth=0.5&overlay=0'), {}, async (page) => {
       const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Save GLB' }).click()]);

@@ -60,7 +60,7 @@ def disparity_colours(values):
 
 
 # Two planes with holes in their confidence, of wrong disparities: one within a plane, which a relief closes, and one
-# between both, which it leaves open.
+# between both, which it leaves open. A few wrong disparities with a high confidence are closed as well.
 disparity_of_planes = np.where(np.arange(WIDTH) < 32, -1, 1).astype(np.float32) * np.ones((HEIGHT, 1), np.float32)
 certain = np.ones((HEIGHT, WIDTH), np.float32)
 is_open = np.zeros((HEIGHT, WIDTH), bool)
@@ -69,6 +69,7 @@ certain[10:14, 8:12] = 0.01
 certain[:, 30:34] = 0.01
 is_open[:, 30:34] = True
 wrong[certain < 0.05] = 3
+wrong[20:22, 50:53] = -3
 os.makedirs(f"{folder}/planes")
 np.save(f"{folder}/planes/disparity.npy", wrong)
 np.save(f"{folder}/planes/confidence.npy", certain)
