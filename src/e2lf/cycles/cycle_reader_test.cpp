@@ -166,11 +166,26 @@ TEST(CycleReader, DoubledTriggersDropExactlyTheirCycles) {
     std::vector<recordings::Trigger>& triggers = cycle.batch.triggers;
     const size_t place = 2 * (number % 8);
     recordings::Trigger twice = triggers[place];
-    twice.t += 600;
+    twice.t += 3000;
     triggers.insert(triggers.begin() + static_cast<ptrdiff_t>(place) + 2, twice);
   });
   expect_exact(outcome, 20, synthesis, affected);
   EXPECT_EQ(outcome.report.dropped[static_cast<size_t>(CycleFault::kDoubled)], 3u);
+}
+
+TEST(CycleReader, BouncesOfTriggersAreIgnored) {
+  SynthesisOptions synthesis;
+  const Outcome outcome = cut(20, synthesis, by_triggers(), [&](uint64_t, SynthesisedCycle& cycle) {
+    std::vector<recordings::Trigger> bouncing;
+    for (const recordings::Trigger& trigger : cycle.batch.triggers) {
+      for (const int64_t after_us : {0, 0, 40, 400}) {
+        bouncing.push_back(trigger);
+        bouncing.back().t += after_us;
+      }
+    }
+    cycle.batch.triggers = std::move(bouncing);
+  });
+  expect_exact(outcome, 20, synthesis);
 }
 
 TEST(CycleReader, PhaseOfTriggersIsFoundFromUnequalIntervals) {

@@ -38,7 +38,8 @@ struct TrackerOptions {
 
 /// Determines which pattern each mark begins. The intervals between marks must follow the schedule. The expected
 /// intervals are updated, so that a constant overhead or clock error does no harm. A missing mark is noticed because
-/// the interval is that of two or more patterns, and an additional one because the interval is too short.
+/// the interval is that of two or more patterns, and an additional one because the interval is too short. One that
+/// follows another at once is a bounce of the same edge and is ignored.
 class PatternTracker {
  public:
   PatternTracker(const Schedule& schedule, const TrackerOptions& options);
@@ -80,7 +81,8 @@ class PatternTracker {
   std::vector<double> interval_us_;
   std::optional<size_t> pattern_;  ///< pattern of the last mark; absent while it is being searched
   int64_t last_us_ = 0;
-  std::deque<Mark> found_;  ///< marks whose patterns are being searched
+  std::optional<int64_t> last_mark_us_;  ///< of any mark that is no bounce
+  std::deque<Mark> found_;               ///< marks whose patterns are being searched
   bool is_first_ = true;
   bool has_locked_ = false;  ///< true once a pattern has been found
   bool has_assumed_first_ = false;

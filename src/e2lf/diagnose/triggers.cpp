@@ -245,8 +245,8 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
   if (const size_t extra = extra_triggers(intervals, expected); extra > 0) {
     Finding found = finding("triggers-extra",
                             cat(extra, " of ", times_us.size(),
-                                " triggers are additional ones, and the others match the schedule; cycles with "
-                                "additional triggers are left out"),
+                                " triggers are additional ones, and the others match the schedule; those that follow "
+                                "another at once are ignored, and cycles with others are left out"),
                             "look for noise or a bouncing contact on the wire", "", {{"extra", extra}});
     found.severity = Severity::kWarning;
     return found;
