@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "e2lf/base/text.h"
+#include "e2lf/diagnose/hot_events.h"
 
 namespace e2lf::diagnose {
 namespace {
@@ -261,12 +262,8 @@ void RigCheck::add_confidence(const cycles::CycleReader& reader, Findings& findi
 }
 
 void RigCheck::add_pixels(Findings& findings) const {
-  // docs/troubleshooting.md states how often these thresholds are wrong.
-  constexpr size_t kLeastHot = 4;
-  constexpr double kLeastShare = 3e-4;
-  if (num_hot_ < kLeastHot) return;
+  if (!are_many_hot(num_hot_, sums_.counts.image_size())) return;
   const double share = static_cast<double>(num_hot_) / static_cast<double>(sums_.counts.image_size());
-  if (share < kLeastShare) return;
   findings.push_back(
       {"pixels-hot",
        Severity::kWarning,

@@ -9,6 +9,7 @@
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cycles/schedule.h"
+#include "e2lf/diagnose/hot_events.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
 #include "e2lf/files/file.h"
@@ -310,7 +311,7 @@ Json assumptions_json(const recordings::RecordingInfo& info) {
 }
 
 Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSummary& summary,
-             const recordings::DuplicateCounter& duplicates, const diagnose::TriggerInputs& triggers,
+             const recordings::DuplicateCounter& duplicates, size_t hot_pixels, const diagnose::TriggerInputs& triggers,
              const Extent& extent, Json parts) {
   const double duration_s = static_cast<double>(summary.last_t_us - summary.first_t_us) * 1e-6;
   Json json = {{"kind", "recording"},
@@ -324,6 +325,7 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
   counts.erase("left_out");
   json.update(counts);
   json["duplicates"] = duplicates.duplicates();
+  json["hot_pixels"] = hot_pixels;
   json["trigger_channels"] = diagnose::to_json(triggers);
   json["extents"] = {{"width", extent.width}, {"height", extent.height}};
   json["assumptions"] = assumptions_json(info);
@@ -350,6 +352,7 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
   diagnose::TriggerInputs triggers;
   Extent extent;
   recordings::DuplicateCounter duplicates;
+  diagnose::HotEvents hot(reader->info().height, reader->info().width);
   recordings::DecodeSummary summary;
   recordings::EventBatch batch;
   Json parts_json = Json::array();
@@ -359,6 +362,7 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
       diagnose::add(batch.triggers, triggers);
       extent.add(batch.events);
       duplicates.add(batch.events);
+      hot.add(batch.events);
       if (options.on_batch) options.on_batch(batch);
       if (options.progress) options.progress(summary.events() + reader->summary().events(), 0);
       continue;
@@ -371,8 +375,10 @@ Result<Description> describe_recording(const fs::path& path, const DescribeOptio
                           {"last_t_us", part.last_t_us}});
     E2LF_ASSIGN_OR_RETURN(more_parts, reader->next_part());
   }
-  Description description{to_json(reader->info(), summary, duplicates, triggers, extent, std::move(parts_json)),
-                          duplicates_text(duplicates)};
+  const auto hot_finding = hot.finding();
+  Description description{
+      to_json(reader->info(), summary, duplicates, hot.count(), triggers, extent, std::move(parts_json)),
+      duplicates_text(duplicates) + (hot_finding ? diagnose::text_of(*hot_finding) + "\n" : "")};
   description.failure = summary.live.failure;
   return description;
 }

@@ -57,7 +57,12 @@ for share in 0 0.001 0.01; do
   "$E2LF" accumulate hot$share.raw -o hot$share.npz --json >hot$share.json 2>/dev/null
   "$E2LF" accumulate hot$share.raw -o filtered$share.npz --filter-pixels --json >filtered$share.json 2>/dev/null
   [ "$(codes_of filtered$share.json)" = "[]" ] || fail "filtered $share: $(cat filtered$share.json)"
+  "$E2LF" info hot$share.raw --json >info$share.json
+  "$E2LF" video hot$share.raw -o frames$share --json >video$share.json 2>/dev/null
 done
+[ "$(json info0.json "j['hot_pixels']")" = 0 ] || fail "$(cat info0.json)"
+check "10 <= $(json info0.001.json "j['hot_pixels']") <= 30 and 100 <= $(json info0.01.json "j['hot_pixels']") <= 200"
+[ "$(codes_of video0.json)/$(codes_of video0.01.json)" = "[]/['pixels-hot']" ] || fail "$(cat video0.json video0.01.json)"
 [ "$(codes_of hot0.json)" = "[]" ] || fail "$(cat hot0.json)"
 [ "$(codes_of hot0.001.json)/$(codes_of hot0.01.json)" = "['pixels-hot']/['pixels-hot']" ] || fail "$(cat hot0.001.json hot0.01.json)"
 [ "$(json filtered0.json "j['silenced_pixels']")" = 0 ] || fail "$(cat filtered0.json)"

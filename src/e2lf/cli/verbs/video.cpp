@@ -8,6 +8,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/event_windows.h"
+#include "e2lf/diagnose/hot_events.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
@@ -105,16 +106,19 @@ std::string frame_name(uint64_t number) {
 
 struct VideoReport {
   uint64_t frames = 0, events = 0, empty = 0;
+  diagnose::Findings findings = {};
   std::string table = "frame,begin_us,end_us,events\n";
 };
 
 Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& maker, const fs::path& folder,
                                  ProgressBar& bar) {
   VideoReport report;
+  diagnose::HotEvents hot(maker.height, maker.width);
   cycles::EventWindow window;
   while (!stop_requested()) {
     E2LF_ASSIGN_OR_RETURN(const bool more, windows.next(window));
     if (!more) break;
+    hot.add(window.events);
     E2LF_ASSIGN_OR_RETURN(const lightfield::ByteImage frame, maker.make(window));
     E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), frame));
     report.table += cat(report.frames, ",", window.begin_us, ",", window.end_us, ",", window.events.size(), "\n");
@@ -122,6 +126,7 @@ Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& make
     report.empty += window.events.empty() ? 1 : 0;
     bar.update(++report.frames, 0);
   }
+  if (auto finding = hot.finding()) report.findings.push_back(*std::move(finding));
   return report;
 }
 
@@ -157,7 +162,8 @@ Json report_json(const VideoArguments& arguments, const VideoReport& report, con
   Json json = {{"frames", report.frames},
                {"empty_windows", report.empty},
                {"events", report.events},
-               {"left_out", losses_json(windows.recording().summary())}};
+               {"left_out", losses_json(windows.recording().summary())},
+               {"findings", diagnose::to_json(report.findings)}};
   if (arguments.window_triggers) {
     json["triggers"] = windows.triggers();
     json["events_outside_of_windows"] = windows.events_outside();
@@ -181,6 +187,7 @@ Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const VideoReport report, write_frames(windows, maker, output.path(), bar));
   hide_progress();
   warn_of_losses(arguments.input, windows.recording().summary());
+  diagnose::log_findings(arguments.input.string(), report.findings);
   verb.set_failed_input(windows.recording().summary().live.failure);
   if (report.frames == 0) return no_frame_error(arguments, windows);
   E2LF_RETURN_IF_ERROR(write_file(output.path() / "frames.csv", report.table));
