@@ -101,4 +101,18 @@ std::optional<diagnose::Finding> range_finding(const model::Model& model, const 
       {{"share", share}}};
 }
 
+std::optional<diagnose::Finding> confidence_finding(const depth::DisparityMap& map) {
+  constexpr double kFew = 0.1;
+  const auto known = std::ranges::count_if(map.confidence.pixels, [](float c) { return c >= depth::kLeastConfidence; });
+  const double share = static_cast<double>(known) / static_cast<double>(map.confidence.pixels.size());
+  if (share >= kFew) return std::nullopt;
+  return diagnose::Finding{
+      "disparity-uncertain",
+      diagnose::Severity::kWarning,
+      cat("only ", formatted("%.0f %%", 100 * share), " of the pixels have a disparity with a confidence of at least ",
+          formatted("%.2f", depth::kLeastConfidence)),
+      "use more light, and run `e2lf check`, which searches for another polarity, order, orientation and camera",
+      {{"share", share}}};
+}
+
 }  // namespace e2lf::pipeline

@@ -38,4 +38,8 @@ struct EventDepth {
 /// 3.7 px is found for 4 px. Returns nothing for networks without this operation.
 [[nodiscard]] std::optional<diagnose::Finding> range_finding(const model::Model& model, const depth::DisparityMap& map);
 
+/// Returns the finding that less than a tenth of a map has a confidence of at least depth::kLeastConfidence: the light
+/// is low, or the events are not of the stated patterns. Correct rigs in full light have 39 % and more.
+[[nodiscard]] std::optional<diagnose::Finding> confidence_finding(const depth::DisparityMap& map);
+
 }  // namespace e2lf::pipeline

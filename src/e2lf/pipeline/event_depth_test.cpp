@@ -71,6 +71,18 @@ TEST(DepthOfEvents, DisparitiesAtTheEndOfTheRangeAreFound) {
   EXPECT_FALSE(range_finding(model, map));
 }
 
+TEST(DepthOfEvents, MapsOfHardlyAnyConfidenceAreFound) {
+  depth::DisparityMap map;
+  map.confidence = lightfield::Image(100, 1, 1);
+  std::fill_n(map.confidence.pixels.begin(), 9, 0.9F);
+  const auto finding = confidence_finding(map);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->code, "disparity-uncertain");
+  EXPECT_EQ(finding->figures["share"], 0.09);
+  map.confidence.pixels[50] = depth::kLeastConfidence;
+  EXPECT_FALSE(confidence_finding(map));
+}
+
 TEST(DepthOfEvents, NetworksForTheOtherOutputAreRefused) {
   EXPECT_EQ(open_method({.model = known_network()}).error().code, ErrorCode::kUnsupported);
   model::Model of_views = known_network();

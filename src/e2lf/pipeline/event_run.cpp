@@ -140,8 +140,9 @@ Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& p
 Result<void> EventRun::make_map(EventResult& result, const ProgressFn& progress) {
   E2LF_ASSIGN_OR_RETURN(result.made, depth_of_events(method(), result.cycle.images, options_.use.cycles,
                                                      views_.value_or(capture::Orientation{}), progress));
-  if (auto range = range_finding(method().network->model(), std::get<EventDepth>(result.made).map)) {
-    result.findings.push_back(std::move(*range));
+  const depth::DisparityMap& map = std::get<EventDepth>(result.made).map;
+  for (auto finding : {range_finding(method().network->model(), map), confidence_finding(map)}) {
+    if (finding) result.findings.push_back(*std::move(finding));
   }
   return {};
 }
