@@ -79,25 +79,31 @@ size_t window_radius(size_t height, size_t width) {
   return std::clamp<size_t>(std::min(height, width) / 24, 5, 16);
 }
 
-/// A place between two pixels of a row or column.
-struct Between {
-  uint32_t first = 0, second = 0;
-  float share = 0;  ///< of the second
-
-  [[nodiscard]] float of(float at_first, float at_second) const { return at_first * (1 - share) + at_second * share; }
-  [[nodiscard]] float of(const float* values) const { return of(values[first], values[second]); }
-};
-
-/// Returns the places of `count` pixels that are displaced by `by` px, within the image. All rows and columns of an
-/// image share them, so that they are computed once.
-std::vector<Between> displaced_places(size_t count, float by) {
-  std::vector<Between> places(count);
-  for (size_t i = 0; i < count; ++i) {
-    const float at = std::clamp(static_cast<float>(i) + by, 0.0F, static_cast<float>(count - 1));
-    const auto first = static_cast<uint32_t>(at);
-    places[i] = {first, std::min(first + 1, static_cast<uint32_t>(count - 1)), at - static_cast<float>(first)};
+/// Adds the values and the squares of an image that is displaced by (by_y, by_x) px, and whose border is repeated.
+void add_displaced(const std::vector<float>& image, size_t height, size_t width, float by_y, float by_x,
+                   std::vector<float>& sum, std::vector<float>& squares) {
+  const auto whole = static_cast<ptrdiff_t>(std::floor(by_x)), border = std::abs(whole) + 1;
+  const float share = by_x - static_cast<float>(whole);
+  // A row with its repeated border: all pixels have their neighbours at the same distance.
+  std::vector<float> row(width + 2 * static_cast<size_t>(border));
+  float* const inner = row.data() + border;
+  for (size_t y = 0; y < height; ++y) {
+    const float at = std::clamp(static_cast<float>(y) + by_y, 0.0F, static_cast<float>(height - 1));
+    const auto first = static_cast<size_t>(at);
+    const float below = at - static_cast<float>(first);
+    const float* const upper = image.data() + first * width;
+    const float* const lower = image.data() + std::min(first + 1, height - 1) * width;
+    for (size_t x = 0; x < width; ++x) inner[x] = upper[x] * (1 - below) + lower[x] * below;
+    std::fill_n(row.data(), border, inner[0]);
+    std::fill_n(inner + width, border, inner[width - 1]);
+    float *const sums = sum.data() + y * width, *const of_squares = squares.data() + y * width;
+    for (size_t x = 0; x < width; ++x) {
+      const float* const left = inner + static_cast<ptrdiff_t>(x) + whole;
+      const float value = left[0] * (1 - share) + left[1] * share;
+      sums[x] += value;
+      of_squares[x] += value * value;
+    }
   }
-  return places;
 }
 
 /// Returns the mean over the pixels of the variance between the images at the disparity that fits best.
@@ -108,17 +114,8 @@ double mismatch(const Images& images, const std::vector<PatternPlace>& places, s
     std::ranges::fill(sum, 0.0F);
     std::ranges::fill(squares, 0.0F);
     for (size_t n = 0; n < images.size(); ++n) {
-      const std::vector<Between> columns = displaced_places(width, disparity * static_cast<float>(places[n].x));
-      const std::vector<Between> rows = displaced_places(height, disparity * static_cast<float>(places[n].y));
-      for (size_t y = 0; y < height; ++y) {
-        const float* const upper = images[n].data() + rows[y].first * width;
-        const float* const lower = images[n].data() + rows[y].second * width;
-        for (size_t x = 0; x < width; ++x) {
-          const float value = rows[y].of(columns[x].of(upper), columns[x].of(lower));
-          sum[y * width + x] += value;
-          squares[y * width + x] += value * value;
-        }
-      }
+      add_displaced(images[n], height, width, disparity * static_cast<float>(places[n].y),
+                    disparity * static_cast<float>(places[n].x), sum, squares);
     }
     const auto count = static_cast<float>(images.size());
     for (size_t i = 0; i < size; ++i) squares[i] = squares[i] / count - sum[i] * sum[i] / (count * count);

@@ -51,18 +51,29 @@ Result<capture::CodedIntensities> invert_events(const capture::EventImages& imag
 
 namespace {
 
-/// Computes sliding sums of `count` values that are `stride` apart. The end values are repeated.
-void line_sums(const float* in, float* out, size_t count, size_t stride, size_t radius) {
-  const auto last = static_cast<ptrdiff_t>(count) - 1, reach = static_cast<ptrdiff_t>(radius);
-  const auto at = [&](ptrdiff_t i) {
-    return double{in[static_cast<size_t>(std::clamp<ptrdiff_t>(i, 0, last)) * stride]};
-  };
-  double sum = 0;
-  for (ptrdiff_t i = -reach; i <= reach; ++i) sum += at(i);
-  for (ptrdiff_t i = 0; i <= last; ++i) {
-    out[static_cast<size_t>(i) * stride] = static_cast<float>(sum);
-    sum += at(i + reach + 1) - at(i - reach);
+/// Computes sliding sums over the rows of columns that are next to each other, all of which advance together. The rows
+/// are `stride` apart, and the first and the last one are repeated.
+void column_sums(const float* in, float* out, size_t rows, size_t columns, size_t stride, size_t radius) {
+  const auto last = static_cast<ptrdiff_t>(rows) - 1, reach = static_cast<ptrdiff_t>(radius);
+  const auto row = [&](ptrdiff_t y) { return in + static_cast<size_t>(std::clamp<ptrdiff_t>(y, 0, last)) * stride; };
+  std::vector<double> sums(columns);
+  for (ptrdiff_t y = -reach; y <= reach; ++y) {
+    const float* const added = row(y);
+    for (size_t x = 0; x < columns; ++x) sums[x] += double{added[x]};
   }
+  for (ptrdiff_t y = 0; y <= last; ++y) {
+    float* const result = out + static_cast<size_t>(y) * stride;
+    const float *const added = row(y + reach + 1), *const removed = row(y - reach);
+    for (size_t x = 0; x < columns; ++x) {
+      result[x] = static_cast<float>(sums[x]);
+      sums[x] += double{added[x]} - double{removed[x]};
+    }
+  }
+}
+
+/// The same along a row of single values.
+void row_sums(const float* in, float* out, size_t count, size_t radius) {
+  column_sums(in, out, count, 1, 1, radius);
 }
 
 void denoise_image(std::span<float> image, std::span<const int16_t> counts, const capture::EventImages& images,
@@ -92,10 +103,10 @@ void denoise_image(std::span<float> image, std::span<const int16_t> counts, cons
 std::vector<float> box_sums(std::span<const float> values, size_t height, size_t width, size_t radius) {
   std::vector<float> rows(values.size()), sums(values.size());
   parallel_for(height, 8, [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) line_sums(&values[y * width], &rows[y * width], width, 1, radius);
+    for (size_t y = begin; y < end; ++y) row_sums(&values[y * width], &rows[y * width], width, radius);
   });
   parallel_for(width, 16, [&](size_t begin, size_t end) {
-    for (size_t x = begin; x < end; ++x) line_sums(&rows[x], &sums[x], height, width, radius);
+    column_sums(&rows[begin], &sums[begin], height, end - begin, width, radius);
   });
   return sums;
 }
