@@ -110,19 +110,24 @@ class Planes {
 
 }  // namespace
 
-Result<model::Model> rendered_for_patterns(model::Model picture, model::Model disparity, const capture::Codes& codes) {
+Result<model::CentralInput> central_input(const capture::Codes& codes, const std::vector<model::InputGroup>& input) {
   if (capture::codes_of_whole_cycle(codes)) {
-    return fail(ErrorCode::kUnsupported, "", picture.name,
-                " was trained for the transitions of the lit patterns; give those alone");
+    return fail(
+        ErrorCode::kUnsupported, "",
+        "networks of the central picture are trained for the transitions of the lit patterns; give those alone");
   }
   E2LF_ASSIGN_OR_RETURN(const Aperture aperture, describe_aperture(codes));
+  const auto intensity = std::ranges::find(input, model::InputKind::kIntensity, &model::InputGroup::kind);
+  const double scale = intensity == input.end() ? 1.0 : double{intensity->scale};
+  return Planes(aperture, codes.num_patterns, scale).fill();
+}
+
+Result<model::Model> rendered_for_patterns(model::Model picture, model::Model disparity, const capture::Codes& codes) {
+  E2LF_ASSIGN_OR_RETURN(const model::CentralInput input, central_input(codes, disparity.input));
   picture.views_y = codes.views_y;
   picture.views_x = codes.views_x;
   picture.open_guide = nullptr;
-  const auto intensity = std::ranges::find(disparity.input, model::InputKind::kIntensity, &model::InputGroup::kind);
-  const double scale = intensity == disparity.input.end() ? 1.0 : double{intensity->scale};
-  E2LF_ASSIGN_OR_RETURN(model::Model result, model::rendered(std::move(picture), std::move(disparity),
-                                                             Planes(aperture, codes.num_patterns, scale).fill()));
+  E2LF_ASSIGN_OR_RETURN(model::Model result, model::rendered(std::move(picture), std::move(disparity), input));
   result.is_adapted = true;
   E2LF_RETURN_IF_ERROR(model::validate(result, result.name));
   return result;

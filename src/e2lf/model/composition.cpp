@@ -370,6 +370,13 @@ Result<Model> guided(Model views, Model disparity, const Guide& guide) {
   return views;
 }
 
+Layer warp_to_centre(std::vector<double> offsets) {
+  return {.name = "moved",
+          .op = "warp",
+          .inputs = {},
+          .attributes = {{"offsets", std::move(offsets)}, {"disparities", {-kFarthestRead, kFarthestRead}}}};
+}
+
 Result<Model> rendered(Model picture, Model disparity, const CentralInput& input) {
   if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
   const size_t inputs = disparity.network.input_channels, moved = input.moved.size();
@@ -386,10 +393,8 @@ Result<Model> rendered(Model picture, Model disparity, const CentralInput& input
     base(0, c) = input.base[c];
   }
   graph.conv("pictures", "input", chosen);
-  graph.add({.name = "moved",
-             .op = "warp",
-             .inputs = {"pictures", of_disparity},
-             .attributes = {{"offsets", input.offsets}, {"disparities", {-kFarthestRead, kFarthestRead}}}});
+  graph.add(warp_to_centre(input.offsets));
+  both.network.layers.back().inputs = {"pictures", of_disparity};
   graph.conv("base", "moved", base);
   graph.concat("central_input", {"input", "moved", of_disparity});
   append({std::move(picture.network), std::move(picture.weights)}, kCentral, "central_input", both);

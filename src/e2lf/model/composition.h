@@ -51,6 +51,10 @@ struct CentralInput {
 /// padding, and `disparity` gives disparities.
 [[nodiscard]] Result<Model> rendered(Model picture, Model disparity, const CentralInput& input);
 
+/// Returns the layer of rendered() that moves the pictures behind the patterns, with `offsets` of CentralInput, to the
+/// central view.
+[[nodiscard]] Layer warp_to_centre(std::vector<double> offsets);
+
 /// A guide by a network for any patterns, which waits for those of the events. Model::open_guide refers to it in models
 /// whose other members are those of the network of views.
 struct OpenGuide {

@@ -339,7 +339,11 @@ Result<bool> is_video_model(const std::filesystem::path& path) {
 }
 
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
-  E2LF_RETURN_IF_ERROR(validate(model, path.string()));
+  // The network of disparity stays in its own file.
+  const bool has_part = is_picture_network(model) && model.open_guide;
+  Model own = model;
+  if (has_part) own.open_guide = nullptr;
+  E2LF_RETURN_IF_ERROR(validate(own, path.string()));
   Safetensors tensors;
   const auto store = [&](const std::string& name, const std::vector<size_t>& shape, const std::vector<float>& values) {
     tensors.tensors[name] =
@@ -349,6 +353,7 @@ Result<void> write_model(const std::filesystem::path& path, const Model& model, 
   for (const WeightShape& tensor : shapes) store(tensor.name, tensor.shape, model.weights.at(tensor.name));
   for (const auto& [name, weights] : model.any_patterns) store(cat(kAnyPatterns, name), weights.shape, weights.values);
   Json header = header_to_json(model);
+  if (has_part) header[kComposedOf] = {{"disparity", model.open_guide->guide.disparity}};
   if (Json shared = take_shared_weights(tensors, shapes); !shared.empty()) header[kSharedWeights] = std::move(shared);
   tensors.metadata[kMetadataKey] = json_line(header);
   if (model.codes) {

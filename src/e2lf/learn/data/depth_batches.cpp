@@ -19,6 +19,7 @@ constexpr std::array<size_t, 6> kNumbersLit = {2, 3, 4, 5, 6, 7};
 constexpr std::array kNumberShares = {0.02, 0.72, 0.04, 0.02, 0.02, 0.18};
 constexpr double kWholeCycleShare = 0.15;  // of the steps with three lit patterns
 constexpr double kTwoPartsShare = 0.6;     // of the steps with several cycles, whose number differs between two parts
+constexpr int64_t kCentralView = 36;       // view (4, 4)
 constexpr uint64_t kFirstScenes = 16;      // drawn before the first step
 
 size_t draw_number_lit(Draws& draws) {
@@ -190,7 +191,7 @@ KnownScene DepthBatches::random_scene(Draws& draws) const {
 std::vector<capture::Codes> DepthBatches::draw_codes(Draws& draws) const {
   if (!config_.patterns.drawn) return std::vector(config_.train.batch, codes_);
   const size_t num_lit = draw_number_lit(draws);
-  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3;
+  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3 && !config_.network.gives_picture();
   std::vector<capture::Codes> drawn;
   for (uint64_t i = 0; i < config_.train.batch; ++i) {
     drawn.push_back(draw_patterns(num_lit, known_, draws));
@@ -243,11 +244,12 @@ DepthBatch DepthBatches::at(uint64_t step, Share share) {
   result.constants.conditioning = conditions.constants.conditioning.index_select(0, own);
   result.cycles = cycles.narrow(0, first, length).to(device_);
   result.disparity = torch::stack(disparities).narrow(0, first, length).contiguous();
-  const auto gain = conditions.gain.narrow(0, first, length) / 255.0;
-  const auto light_field = torch::stack(std::vector(views.begin() + first, views.begin() + first + length))
-                               .to(torch::kFloat)
-                               .permute({0, 3, 1, 2})
-                               .mul_(gain.reshape({-1, 1, 1, 1}));
+  result.gain = conditions.gain.narrow(0, first, length);
+  auto light_field = torch::stack(std::vector(views.begin() + first, views.begin() + first + length))
+                         .to(torch::kFloat)
+                         .permute({0, 3, 1, 2});
+  result.central = light_field.select(1, kCentralView) / 255.0;
+  light_field.mul_((result.gain / 255.0).reshape({-1, 1, 1, 1}));
   torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step) + static_cast<uint64_t>(share.rank));
   result.events = simulate_cycles(light_field.contiguous(), result.codes, result.constants,
                                   conditions.residue.narrow(0, first, length), result.cycles);

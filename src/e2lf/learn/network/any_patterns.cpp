@@ -8,11 +8,12 @@
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/learn/network/geometry_operations.h"
+#include "e2lf/learn/network/levels.h"
 
 namespace e2lf::learn {
 namespace {
 
-using model::Layer, model::Network;
+using model::Network;
 
 constexpr int64_t kGroups = 3;       // of inputs: cumulative counts, levels, intensities
 constexpr int64_t kIntensities = 2;  // the last group
@@ -30,27 +31,6 @@ std::vector<double> compared_disparities() {
   for (int i = -kMostDisparity; i <= kMostDisparity; ++i) disparities.push_back(i / 5.0);
   return disparities;
 }
-
-/// Appends layers to a network, each named and returned by its name.
-struct LayerList {
-  Network& network;
-
-  std::string add(Layer layer) {
-    network.layers.push_back(std::move(layer));
-    return network.layers.back().name;
-  }
-  std::string conv(const std::string& name, const std::string& input, size_t channels, size_t kernel,
-                   size_t stride = 1) {
-    return add({.name = name, .inputs = {input}, .out_channels = channels, .kernel = kernel, .stride = stride});
-  }
-  std::string block(const std::string& name, const std::string& input, size_t channels) {
-    const std::string inner = conv(name + "_0a", input, channels, 3);
-    network.layers.back().relu = true;
-    const std::string outer = conv(name + "_0b", inner, channels, 3);
-    network.layers.back().residual = input;
-    return outer;
-  }
-};
 
 /// Adds the comparison of the pictures, and how the layers weigh it: returns the name of the last layer.
 std::string add_evidence(LayerList& layers, const std::string& half, size_t channels) {
@@ -91,6 +71,12 @@ torch::Tensor of_its_kind(const torch::Tensor& x) {
 bool depends_on_patterns(const std::string& name) {
   return name.starts_with("stem.") || name.starts_with("pictures.") || name.starts_with("features.") ||
          name == "weigh.weight";
+}
+
+model::Weights weights_for_any_patterns(const model::Model& model) {
+  model::Weights weights = model.weights;
+  for (const auto& [name, shared] : model.any_patterns) weights[name] = shared.values;
+  return weights;
 }
 
 Result<Apertures> describe_apertures(const std::vector<capture::Codes>& codes, torch::Device device) {
@@ -149,24 +135,18 @@ Network depth_network(const std::vector<size_t>& widths, size_t num_inputs) {
        .inputs = {"features"},
        .kernel = kWindow,
        .attributes = {{"disparities", compared_disparities()}, {"offsets", std::vector<double>(2 * kPictures, 0.0)}}});
-  std::vector<std::string> skips;
-  const size_t last = widths.size() - 1;
-  for (size_t level = 0; level < last; ++level) {
-    x = layers.block(cat("down", level), x, widths[level]);
-    skips.push_back(x);
-    x = layers.conv(cat("down", level, "_half"), x, widths[level + 1], 2, 2);
-    if (level == 0) x = add_evidence(layers, x, widths[1]);
-  }
-  x = layers.block("middle", x, widths[last]);
-  for (size_t level = last; level-- > 0;) {
-    x = layers.conv(cat("up", level, "_double"), x, widths[level], 2, 2);
-    network.layers.back().op = model::Op::kConvTransposed;
-    x = layers.add({.name = cat("up", level, "_join"), .op = model::Op::kAdd, .inputs = {x, skips[level]}});
-    x = layers.block(cat("up", level), x, widths[level]);
-  }
+  x = add_levels(layers, x, widths, [&](const std::string& half) { return add_evidence(layers, half, widths[1]); });
   x = layers.conv("head", x, 4 * model::kDepthOutputs, 3);
   layers.add({.name = "output", .op = model::Op::kPixelShuffle, .inputs = {x}, .stride = 2});
   return network;
+}
+
+DepthInputs form_depth_inputs(const torch::Tensor& events, const SampleConstants& constants,
+                              const torch::Tensor& cycles, const std::vector<model::InputGroup>& groups) {
+  const std::vector<model::InputGroup> of_counts(groups.begin(), groups.end() - 1);
+  const float of_camera = groups.back().scale;
+  return {form_inputs(events, of_counts, constants).unflatten(1, {static_cast<int64_t>(of_counts.size()), -1}),
+          constants.conditioning * of_camera, torch::log2(cycles) * (capture::cycles_condition(2) * of_camera)};
 }
 
 AnyPatternsModule::AnyPatternsModule(const std::vector<size_t>& widths, torch::Device device)

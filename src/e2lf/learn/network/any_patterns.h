@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "e2lf/capture/patterns/codes.h"
+#include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/network/network_module.h"
 #include "e2lf/model/model.h"
 
@@ -38,6 +39,11 @@ struct DepthInputs {
   torch::Tensor cycles;        ///< their number of cycles, which may differ between pixels: [batch, y, x]
 };
 
+/// Forms these inputs of events [batch, N - 1, y, x] that are means over `cycles` [batch, y, x], as the input groups
+/// `groups` of a model state: cumulative counts, levels, intensities, and the camera, which is last.
+[[nodiscard]] DepthInputs form_depth_inputs(const torch::Tensor& events, const SampleConstants& constants,
+                                            const torch::Tensor& cycles, const std::vector<model::InputGroup>& groups);
+
 /// A network of disparity for any patterns.
 class AnyPatternsModule {
  public:
@@ -62,6 +68,10 @@ class AnyPatternsModule {
                                        torch::ScalarType compute, const NamedTensors& weights) const;
   NetworkModule module_;
 };
+
+/// Returns the weights of a model for any patterns (Model::any_patterns) by the names of the parameters of
+/// AnyPatternsModule.
+[[nodiscard]] model::Weights weights_for_any_patterns(const model::Model& model);
 
 /// Returns whether a tensor of weights depends on the patterns.
 [[nodiscard]] bool depends_on_patterns(const std::string& name);

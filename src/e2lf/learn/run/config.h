@@ -69,10 +69,13 @@ struct SensorConfig {
 
 /// The numbers of channels at both ends follow from the inputs and the views.
 struct NetworkConfig : model::UnetOptions {
-  std::string type = "unet";  ///< "unet", "recnet", or "plane-sweep": disparity instead of views, for any patterns
-  double share_of_full_scale = 0.65;  ///< of "plane-sweep" in its model file; see model::at_two_scales()
+  /// "unet", "recnet", and for any patterns "plane-sweep" (disparity instead of views) and "picture" (the central one).
+  std::string type = "unet";
+  double share_of_full_scale = 0.65;     ///< of "plane-sweep" in its model file; see model::at_two_scales()
+  std::string disparity = "e2lf-depth";  ///< of "picture": the model that moves the pictures, which is not trained
 
   [[nodiscard]] bool gives_disparity() const { return type == "plane-sweep"; }
+  [[nodiscard]] bool gives_picture() const { return type == "picture"; }
 };
 
 struct TrainConfig {

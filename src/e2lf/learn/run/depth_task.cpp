@@ -3,27 +3,18 @@
 #include "e2lf/learn/run/depth_task.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <torch/torch.h>
 
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/learn/data/depth_batches.h"
-#include "e2lf/learn/data/pattern_sets.h"
 #include "e2lf/learn/network/any_patterns.h"
 #include "e2lf/learn/optimisers/optimisers.h"
+#include "e2lf/learn/run/judged_scenes.h"
 #include "e2lf/model/composition.h"
 
 namespace e2lf::learn {
 namespace {
-
-constexpr int64_t kUnjudgedBorder = 15;  // px
-
-/// A set of patterns with which a network is judged, and its name, which is empty for patterns.codes.
-struct JudgedSet {
-  std::string name;
-  capture::Codes codes;
-};
 
 class DepthTask : public Task {
  public:
@@ -54,9 +45,7 @@ class DepthTask : public Task {
       return fail(ErrorCode::kInvalidValue, "",
                   "this is no network of disparity for any patterns; start from one, such as e2lf-depth");
     }
-    model::Weights weights = model.weights;
-    for (const auto& [name, shared] : model.any_patterns) weights[name] = shared.values;
-    return weights;
+    return weights_for_any_patterns(model);
   }
 
   /// Fails if patterns are drawn that cannot be described.
@@ -64,7 +53,7 @@ class DepthTask : public Task {
                                       NamedTensors* input_means) override {
     const DepthBatch batch = batches_.at(step, share);
     E2LF_ASSIGN_OR_RETURN(const Apertures apertures, describe_apertures(batch.codes, device_));
-    const DepthInputs inputs = inputs_of(batch.events, batch.constants, batch.cycles);
+    const DepthInputs inputs = form_depth_inputs(batch.events, batch.constants, batch.cycles, config_.input);
     return depth_loss(network_.forward(inputs, apertures, compute_, nullptr, input_means), batch.disparity);
   }
 
@@ -101,42 +90,18 @@ class DepthTask : public Task {
   }
 
  private:
-  [[nodiscard]] DepthInputs inputs_of(const torch::Tensor& events, const SampleConstants& constants,
-                                      const torch::Tensor& cycles) const {
-    const std::vector<model::InputGroup> groups(config_.input.begin(), config_.input.end() - 1);  // without the camera
-    const float of_camera = config_.input.back().scale;
-    return {form_inputs(events, groups, constants).unflatten(1, {static_cast<int64_t>(groups.size()), -1}),
-            constants.conditioning * of_camera, torch::log2(cycles) * (capture::cycles_condition(2) * of_camera)};
-  }
-
-  /// Evaluates one set of patterns. Mirror images continue the pictures to a size that the network takes.
   [[nodiscard]] Result<SceneScore> evaluate_set(const NamedTensors& weights, const capture::Codes& codes,
                                                 const Scene& scene, const Judgement& judgement) const {
     torch::NoGradGuard no_grad;
-    torch::manual_seed(judgement.seed);
     const int64_t multiple = int64_t{2} << (config_.network.widths.size() - 1);
-    const int64_t height = scene.views.size(1), width = scene.views.size(2);
-    if (2 * std::min(height, width) <= multiple) {
-      return fail(ErrorCode::kShape, scene.name,
-                  "the scene is too small for this network; evaluate scenes of more than ", multiple / 2, " px");
-    }
-    const auto missing = [&](int64_t length) { return (multiple - length % multiple) % multiple; };
-    const auto views = at::reflection_pad2d(scene.views.to(torch::kFloat).div(255.0).unsqueeze(0).contiguous(),
-                                            {0, missing(width), 0, missing(height)});
-    const PatternNumbers numbers = numbers_of(codes);
-    const auto sample = sample_of(judgement.camera, numbers.all, numbers.codes, 1, device_);
-    const auto count = torch::full({1, views.size(2), views.size(3)}, static_cast<double>(judgement.cycles),
-                                   torch::device(device_).dtype(torch::kFloat));
-    const auto events = simulate_cycles(views, {codes}, sample, torch::zeros({1}, torch::device(device_)), count);
+    E2LF_ASSIGN_OR_RETURN(const JudgedEvents judged, simulate_judged(scene, codes, judgement, multiple, device_));
     E2LF_ASSIGN_OR_RETURN(const Apertures apertures, describe_apertures({codes}, device_));
+    const auto inputs = form_depth_inputs(judged.events, judged.constants, judged.cycles, config_.input);
     // Half precision would be pessimistic.
-    const auto output = network_.forward(inputs_of(events, sample, count), apertures, torch::kFloat, &weights);
-    const auto error = (output[0][0].narrow(0, 0, height).narrow(1, 0, width) - scene.disparity[3]).abs();
-    const int64_t border = std::min({kUnjudgedBorder, error.size(0) / 4, error.size(1) / 4});
-    const auto judged = error.slice(0, border, error.size(0) - border).slice(1, border, error.size(1) - border);
-    const double off = (judged > kWrongDisparity).sum().item<double>(), known = judged.isfinite().sum().item<double>();
-    return SceneScore{scene.name, 100 * off / std::max(known, 1.0),
-                      events.abs().sum().item<double>() / static_cast<double>(views.size(2) * views.size(3))};
+    const auto output = network_.forward(inputs, apertures, torch::kFloat, &weights);
+    const auto error = (judged_part(output[0][0], scene) - judged_part(scene.disparity[3], scene)).abs();
+    const double off = (error > kWrongDisparity).sum().item<double>(), known = error.isfinite().sum().item<double>();
+    return SceneScore{scene.name, 100 * off / std::max(known, 1.0), judged.events_per_pixel};
   }
 
   Config config_;
@@ -147,25 +112,6 @@ class DepthTask : public Task {
   torch::ScalarType compute_;
   torch::Device device_;
 };
-
-/// Reads a set of patterns as the display shows it: whole cycles if patterns.whole_cycle is set.
-Result<capture::Codes> read_shown(const std::string& name, const PatternConfig& patterns) {
-  E2LF_ASSIGN_OR_RETURN(capture::Codes codes, read_pattern_set(name));
-  if (patterns.whole_cycle && !capture::codes_of_whole_cycle(codes)) codes = capture::whole_cycle(codes);
-  E2LF_RETURN_IF_ERROR(describe_apertures({codes}, torch::kCPU));
-  return codes;
-}
-
-/// Reads the patterns that a network of disparity is judged with: those of patterns.evaluated, or else its own.
-Result<std::vector<JudgedSet>> read_judged(const PatternConfig& patterns, const capture::Codes& own) {
-  if (patterns.evaluated.empty()) return std::vector{JudgedSet{"", own}};
-  std::vector<JudgedSet> sets;
-  for (const std::string& name : patterns.evaluated) {
-    E2LF_ASSIGN_OR_RETURN(capture::Codes codes, read_shown(name, patterns));
-    sets.push_back({std::filesystem::path(name).stem().string(), std::move(codes)});
-  }
-  return sets;
-}
 
 }  // namespace
 

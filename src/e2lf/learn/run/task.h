@@ -25,7 +25,7 @@ struct Judgement {
   uint64_t seed = 0;
 };
 
-/// What a run learns, views or disparity: its samples, its network, its loss and its figures. A run opens one task, and
+/// What a run learns, views, disparity or a picture: its samples, its network, its loss and its figures. A run opens one task, and
 /// its trainer knows no others.
 class Task {
  public:
@@ -68,10 +68,11 @@ class Task {
 /// follows from patterns.codes. Fails as read_dataset(), Batches::create() and, for patterns, read_pattern_set() do.
 [[nodiscard]] Result<std::unique_ptr<Task>> open_task(Config& config, torch::Device device);
 
-/// Opens the task of networks of views, and that of networks of disparity for any patterns.
+/// Opens the task of networks of views, and those of networks of disparity and of the central picture for any patterns.
 [[nodiscard]] Result<std::unique_ptr<Task>> open_views_task(const Config& config, Dataset dataset,
                                                             torch::Device device);
 [[nodiscard]] Result<std::unique_ptr<Task>> open_depth_task(Config& config, Dataset dataset, torch::Device device);
+[[nodiscard]] Result<std::unique_ptr<Task>> open_picture_task(Config& config, Dataset dataset, torch::Device device);
 
 /// Seeds torch's generator for the initial weights of a run.
 void seed_initial_weights(const Config& config);

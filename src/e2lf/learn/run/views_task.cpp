@@ -88,6 +88,7 @@ Result<std::unique_ptr<Task>> open_task(Config& config, torch::Device device) {
   E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
 #if E2LF_LEARN_KERNELS
   if (config.network.gives_disparity()) return open_depth_task(config, std::move(dataset), device);
+  if (config.network.gives_picture()) return open_picture_task(config, std::move(dataset), device);
 #endif
   return open_views_task(config, std::move(dataset), device);
 }
