@@ -49,15 +49,15 @@ void* find_in_peer(const char* module, const char* function, std::string& absent
 
 using lightfield::LightField;
 
-Result<LightField> in_view(const LightField& scene, size_t size, size_t motion_px) {
-  constexpr size_t kMargin = kMostMotionPx + 1;
+Result<LightField> in_view(const LightField& scene, size_t size, size_t motion_px, size_t most_px) {
+  const size_t margin = most_px + 1;
   const lightfield::Shape& shape = scene.shape();
-  if (shape.width < kMargin + 16) {
-    return Error{ErrorCode::kShape, cat("the views are narrower than ", kMargin + 16, " px; use larger ones"), ""};
+  if (shape.width < margin + 16) {
+    return Error{ErrorCode::kShape, cat("the views are narrower than ", margin + 16, " px; use larger ones"), ""};
   }
   const size_t height = std::min(size, shape.height);
-  const size_t width = std::min(size, shape.width - kMargin);
-  const size_t x = (shape.width - kMargin - width) / 2 + motion_px;
+  const size_t width = std::min(size, shape.width - margin);
+  const size_t x = (shape.width - margin - width) / 2 + motion_px;
   return lightfield::crop(scene, {(shape.height - height) / 2, x, height, width});
 }
 

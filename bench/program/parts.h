@@ -26,14 +26,14 @@ struct Timing {
 /// is none, returns null, and `absent` states the reason.
 [[nodiscard]] void* find_in_peer(const char* module, const char* function, std::string& absent);
 
-/// The largest motion within two cycles that a scene has room for, px.
+/// The largest motion within two cycles that scenes have room for, px.
 constexpr size_t kMostMotionPx = 16;
 
 /// Returns the middle rows of a scene, and its columns after it moved to the left by `motion_px`, which is at most
-/// kMostMotionPx. The result has at most size x size pixels. Fails with kShape if the scene is narrower than
-/// kMostMotionPx + 17 px.
-[[nodiscard]] Result<lightfield::LightField> in_view(const lightfield::LightField& scene, size_t size,
-                                                     size_t motion_px);
+/// `most_px`. The result has at most size x size pixels. Fails with kShape if the scene is narrower than most_px + 17
+/// px.
+[[nodiscard]] Result<lightfield::LightField> in_view(const lightfield::LightField& scene, size_t size, size_t motion_px,
+                                                     size_t most_px = kMostMotionPx);
 
 /// Returns the largest PSNR of a light field against these scenes, dB. It is scaled by its least-squares factor for
 /// each, so that a network that was trained for another camera does not lose by brightness alone. Fails with kShape.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The operations against their references, against tensors that bench/geometry/networks.py computed, and in parts.
+// The operations against their references, against tensors that an implementation in PyTorch computed, and in parts.
 #include "e2lf/geometry/operations.h"
 
 #include <gtest/gtest.h>
