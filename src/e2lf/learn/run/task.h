@@ -25,8 +25,8 @@ struct Judgement {
   uint64_t seed = 0;
 };
 
-/// What a run learns, views, disparity or a picture: its samples, its network, its loss and its figures. A run opens one task, and
-/// its trainer knows no others.
+/// What a run learns, views, disparity or a picture: its samples, its network, its loss and its figures. A run opens
+/// one task, and its trainer knows no others.
 class Task {
  public:
   virtual ~Task() = default;
