@@ -13,8 +13,6 @@ namespace {
 constexpr double kLearningRate = 0.1;
 /// The number of cycles without a mark after which the pattern is searched anew.
 constexpr size_t kMaxCyclesWithoutMark = 3;
-/// A mark that follows another within this part of the shortest interval is a bounce of the same edge.
-constexpr double kBounce = 0.05;
 
 }  // namespace
 
@@ -33,7 +31,7 @@ int64_t PatternTracker::known_until(int64_t t_us) const {
 
 void PatternTracker::add(const Mark& mark, std::vector<PatternStart>& starts) {
   const double since_last_us = last_mark_us_ ? static_cast<double>(mark.t_us) - static_cast<double>(*last_mark_us_) : 0;
-  if (last_mark_us_ && since_last_us < kBounce * *std::ranges::min_element(interval_us_)) return;
+  if (last_mark_us_ && since_last_us < kBounceShare * *std::ranges::min_element(interval_us_)) return;
   last_mark_us_ = mark.t_us;
   if (std::exchange(is_first_, false) && options_.first_pattern) {
     pattern_ = *options_.first_pattern;

@@ -36,6 +36,9 @@ struct TrackerOptions {
   double tolerance = 0.2;
 };
 
+/// A mark that follows another within this part of the shortest interval is a bounce of the same edge.
+inline constexpr double kBounceShare = 0.05;
+
 /// Determines which pattern each mark begins. The intervals between marks must follow the schedule. The expected
 /// intervals are updated, so that a constant overhead or clock error does no harm. A missing mark is noticed because
 /// the interval is that of two or more patterns, and an additional one because the interval is too short. One that

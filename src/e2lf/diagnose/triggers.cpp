@@ -203,15 +203,42 @@ size_t extra_triggers(const std::vector<double>& intervals, const std::vector<do
   return fewest;
 }
 
+/// Returns the times without those that cycles::PatternTracker ignores.
+std::vector<int64_t> without_bounces(const std::vector<int64_t>& times_us, double shortest_us) {
+  std::vector<int64_t> kept;
+  for (const int64_t t_us : times_us) {
+    if (kept.empty() || static_cast<double>(t_us - kept.back()) >= cycles::kBounceShare * shortest_us)
+      kept.push_back(t_us);
+  }
+  return kept;
+}
+
+/// Returns the finding that some of the triggers are additional ones; nothing if none is.
+std::optional<Finding> extra_finding(size_t bounces, size_t others, size_t triggers) {
+  if (bounces + others == 0) return std::nullopt;
+  Finding found = finding(
+      "triggers-extra",
+      cat(bounces + others, " of ", triggers, " triggers are additional ones, and the others match the schedule; ",
+          others == 0 ? "they follow another at once and are ignored"
+                      : "those that follow another at once are ignored, and cycles with others are left out"),
+      "look for noise or a bouncing contact on the wire", "", {{"extra", bounces + others}});
+  found.severity = Severity::kWarning;
+  return found;
+}
+
 /// Explains the times of one edge of one input, by the most certain reason first.
-std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const cycles::Schedule& schedule,
+std::optional<Finding> check_times(const std::vector<int64_t>& all_us, const cycles::Schedule& schedule,
                                    bool is_one_per_cycle) {
-  const std::vector<double> intervals = intervals_of(times_us), expected = intervals_of(schedule);
+  const std::vector<double> expected = intervals_of(schedule);
+  const std::vector<int64_t> times_us =
+      without_bounces(all_us, is_one_per_cycle ? static_cast<double>(schedule.cycle_us()) : std::ranges::min(expected));
+  const size_t bounces = all_us.size() - times_us.size();
+  const std::vector<double> intervals = intervals_of(times_us);
   const double usual_us = median(intervals), cycle_us = static_cast<double>(schedule.cycle_us());
   const bool are_cycles = std::abs(usual_us - cycle_us) <= kTolerance * cycle_us;
   const Json figures = {{"interval_us", usual_us}, {"cycle_us", cycle_us}};
   if (is_one_per_cycle) {
-    if (are_cycles) return std::nullopt;
+    if (are_cycles) return extra_finding(bounces, 0, all_us.size());
     return finding(
         "triggers-of-patterns",
         cat("one trigger per cycle is expected, every ", ms(cycle_us), ", but one comes every ", ms(usual_us)),
@@ -221,7 +248,7 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
     return finding("triggers-of-cycles", cat("there is one trigger in ", ms(usual_us), ", which is a whole cycle"),
                    "expect one trigger per cycle", "one_trigger_per_cycle", figures);
   }
-  if (matching_share(intervals, expected) >= kMost) return std::nullopt;
+  if (matching_share(intervals, expected) >= kMost) return extra_finding(bounces, 0, all_us.size());
   if (const double scale = scale_of(intervals, schedule);
       scale > 0.05 && std::abs(scale - 1) > 0.02 && matching_share(intervals, expected, scale) >= kMost) {
     return finding(
@@ -243,13 +270,7 @@ std::optional<Finding> check_times(const std::vector<int64_t>& times_us, const c
         "check the wire, the level and the length of the trigger pulses", "", {{"missing", missing}});
   }
   if (const size_t extra = extra_triggers(intervals, expected); extra > 0) {
-    Finding found = finding("triggers-extra",
-                            cat(extra, " of ", times_us.size(),
-                                " triggers are additional ones, and the others match the schedule; those that follow "
-                                "another at once are ignored, and cycles with others are left out"),
-                            "look for noise or a bouncing contact on the wire", "", {{"extra", extra}});
-    found.severity = Severity::kWarning;
-    return found;
+    return extra_finding(bounces, extra, all_us.size());
   }
   return finding("schedule-other",
                  cat("a trigger comes every ", ms(usual_us), ", and the schedule has ", schedule.size(),

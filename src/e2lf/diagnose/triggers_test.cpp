@@ -104,6 +104,19 @@ TEST(CheckTriggers, CountsAdditionalOnes) {
   }
 }
 
+TEST(CheckTriggers, CountsBouncesOfEachTrigger) {
+  std::vector<recordings::Trigger> bouncing;
+  for (const recordings::Trigger& trigger : triggers_of(paper_schedule())) {
+    for (const int64_t after_us : {0, 60, 200}) bouncing.push_back({trigger.t + after_us, trigger.id, trigger.p});
+  }
+  TriggerInputs inputs;
+  add(bouncing, inputs);
+  const auto extra = check_triggers(inputs, {}, bouncing.back().t);
+  ASSERT_TRUE(extra);
+  EXPECT_EQ(extra->code, "triggers-extra");
+  EXPECT_EQ(extra->figures["extra"], inputs.at(0).rising.count / 3 * 2);
+}
+
 TEST(CheckTriggers, AcceptsALineThatTogglesIfBothEdgesAreUsed) {
   std::vector<recordings::Trigger> toggling = kept(triggers_of(paper_schedule()), [](size_t i) { return i % 2 == 0; });
   for (size_t i = 1; i < toggling.size(); i += 2) toggling[i].p = 0;
