@@ -105,8 +105,10 @@ float RigCheck::add(const cycles::Cycle& cycle, const cycles::CycleOptions& opti
   }
   constexpr uint64_t kMostSummed = 16;
   if (cycles_ < kMostSummed) {
+    // At the beginning of a recording, the references of some pixels are far off, as those of hot ones always are.
+    if (cycles_ == 1) sums_ = {};
     sums_.add(cycle.images);
-    if (sums_.cycles == 1 || sums_.cycles == 4 || sums_.cycles == kMostSummed) {
+    if (sums_.cycles == 1 || sums_.cycles == 4 || cycles_ + 1 == kMostSummed) {
       num_hot_ = capture::hot_pixels(sums_).size();
     }
   }
