@@ -18,10 +18,10 @@ done
 
 # The checks see what is wrong.
 mkdir -p wrong/docs
-printf '# A\n[b](none.md) [c](#d)\n```\ne2lf info x.raw\n```\n```sh\ne2lf inffo x.raw\n```\n`e2lf info --jsonn` `e2lf codes show --flip-x` `--nonsense` `models/none.safetensors`\n' >wrong/docs/a.md
+printf '# A\n[b](none.md) [c](#d)\n```\ne2lf info x.raw\n```\n```sh\ne2lf inffo x.raw\n```\n`e2lf info --jsonn` `e2lf codes show --flip-x` `--nonsense` `models/none.safetensors`\n```bash\necho\n```\n```python\n1\n```\n' >wrong/docs/a.md
 touch wrong/README.md
 if py "$documents" links wrong >problems.txt; then fail "broken links pass"; fi
-[ "$(wc -l <problems.txt)" -eq 4 ] || fail "$(cat problems.txt)"
+[ "$(wc -l <problems.txt)" -eq 6 ] || fail "$(cat problems.txt)"
 if py "$documents" words wrong "$E2LF" >problems.txt; then fail "wrong words pass"; fi
 [ "$(wc -l <problems.txt)" -eq 5 ] || fail "$(cat problems.txt)"
 

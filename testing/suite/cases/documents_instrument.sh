@@ -17,6 +17,8 @@ video() {
 }
 page docs/recordings.md recordings
 exists recordings/display/contact_sheet.png recordings/out/mine/cycle_00001/07_07.png
+block docs/recordings.md duration_us >schedule.json
+"$E2LF" accumulate recordings/REC.raw --schedule schedule.json -o scheduled.npz --quiet
 simulation() {
   scene
   mkdir -p out && ln -s ../demo out/demo

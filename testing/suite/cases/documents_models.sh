@@ -29,6 +29,7 @@ measurements() {
   ln -s models/e2lf-n4.safetensors MODEL
 }
 page docs/measurements.md measurements
+page docs/clusters.md
 page docs/library.md
 page docs/packages.md
 page docs/python.md
@@ -53,3 +54,15 @@ page docs/outputs.md demo
 exists outputs/quality.html
 page docs/compare.md comparison
 exists compare/out/compare/index.html compare/all/table.csv
+block docs/compare.md "Two methods" >two.json
+"$E2LF" compare two.json -o two --quiet --set 'scenes=[{"name": "mine", "scenes": ["demo:1"], "width": 48, "height": 32}]' --set pictures=false
+[ "$(json two/run.json "j['notes']['new_results']")" = 12 ] || fail "two methods, three sensors, two seeds"
+
+part documents_pytorch
+# The commands of the page on PyTorch work as written.
+source "$TESTSUITE/documents/page.sh"
+PYTHONPATH=$E2LF_BUILD/python py -c "import e2lf.torch" 2>/dev/null || skip "PyTorch or the Python package is not there"
+demo() { e2lf demo -o out/demo --quiet; }
+page docs/pytorch.md demo
+exists pytorch/out/own/index.html pytorch/out/tuned/run.json
+grep -q "own network" pytorch/out/own/table.csv || fail "the network of the reader is not in the table"

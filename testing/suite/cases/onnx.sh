@@ -90,6 +90,19 @@ same_views "$model" events.npz told
 py -c 'import numpy as np; a, b = (np.load(f + "/lightfield.npy") for f in ("told", "e2lf-n4-camera")); assert abs(a - b).max() > 0.01'
 fails 1 "single camera" "$E2LF" model export "$models/e2lf-n4.safetensors" -o other.onnx --camera paper
 
+# The lines of docs/models.md.
+"$E2LF" model export "$models/e2lf-n4.safetensors" -o e2lf-n4.onnx --quiet
+ln -s "$E2LF_BUILD/onnx/node_modules" node_modules
+py inputs.py events.npz about.json
+{
+  echo "import { readFileSync, writeFileSync } from 'node:fs';"
+  echo "const [height, width, counts] = [67, 101, new Float32Array(readFileSync('events.f32').buffer)];"
+  py "$TESTSUITE/documents/documents.py" block "$SOURCES/docs/models.md" onnxruntime-node
+  echo "writeFileSync('views.f32', Buffer.from(views.data.buffer, views.data.byteOffset, views.data.byteLength));"
+} >lines.mjs
+node lines.mjs
+py compare.py "docs/models.md" e2lf-n4
+
 # Several cycles are a batch.
 camera=()
 py - <<'PY'

@@ -137,13 +137,24 @@ def wrong_commands(root, e2lf):
                     yield f"{page}: {path} does not exist: {command}"
 
 
+# Which files run the blocks of a language; they name the page.
+RUNNERS = {"cmake": "testing/suite/cases/*.sh", "js": "testing/suite/cases/*.sh", "json": "testing/suite/cases/*.sh", "python": "python/test/*.py"}
+
+
+def text_of(root, pattern):
+    return "".join(path.read_text() for path in sorted(root.glob(pattern)))
+
+
 def commands_outside(root):
-    """Commands that no case runs: in a block that is not marked as sh, or on a page that no case names."""
-    cases = "".join(case.read_text() for case in root.glob("testing/suite/cases/documents*.sh"))
+    """Blocks that no case runs: commands that are not marked as sh, and blocks of pages that no case names."""
+    cases = text_of(root, "testing/suite/cases/documents*.sh")
     for page in [root / "README.md", *root.glob("docs/**/*.md")]:
         name = str(page.relative_to(root))
         if any(True for _ in shell_lines(page)) and name not in cases:
             yield f"{name}: no case runs its commands"
+        for language in {language for language, _ in re.findall(BLOCK, page.read_text(), flags=re.S | re.M)} - {"", "sh"}:
+            if language not in RUNNERS or f"{page.stem}.md" not in text_of(root, RUNNERS[language]):
+                yield f"{name}: no test runs its blocks in {language}"
         for line in shell_lines(page, ("",)):
             if re.match(r"(time )?(\./run|e2lf|e2lf-bench|e2lf-train) ", line):
                 yield f"{name}: a command in a block that is not marked as sh: {line}"

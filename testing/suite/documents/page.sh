@@ -3,6 +3,9 @@
 root=$SOURCES
 skip_sanitizers "the other cases run each verb with sanitizers"
 
+# block <page> <word>: the first block of the page that contains the word.
+block() { py "$TESTSUITE/documents/documents.py" block "$root/$1" "$2"; }
+
 # page <path in the repository> [function]: the function makes the inputs that the page names, in the folder of the page.
 page() {
   local page=$1 prepare=${2:-true} folder
@@ -12,7 +15,7 @@ page() {
   ln -s "$TESTSUITE/documents/run" "$folder/run"
   ln -s "$TESTSUITE/documents/e2lf" "$folder/build/release/bin/e2lf"
   ln -s "$(dirname "$E2LF")/e2lf-train" "$folder/build/release/bin/e2lf-train"
-  ln -s /usr/bin/python3 "$folder/build/release/bin/python3"
+  ln -s "$TESTSUITE/documents/python3" "$folder/build/release/bin/python3"
   export E2LF
   (cd "$folder" && PATH=$folder/build/release/bin:$PATH && "$prepare") >"$folder.prepare.txt" 2>&1 ||
     fail "$page: its inputs: $(tail -5 "$folder.prepare.txt")"
