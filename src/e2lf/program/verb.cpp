@@ -273,9 +273,11 @@ Result<std::vector<std::string>> Verb::configured_flags() {
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
 }
 
-Result<void> Verb::refuse_options(const std::vector<std::string>& groups, const std::string& what) const {
+Result<void> Verb::refuse_options(const std::vector<std::string>& options, const std::string& what) const {
   for (const CLI::Option* option : app_.get_options()) {
-    if (option->count() == 0 || std::ranges::find(groups, option->get_group()) == groups.end()) continue;
+    const bool is_refused = std::ranges::any_of(
+        options, [&](const std::string& name) { return name == option->get_group() || name == option->get_name(); });
+    if (option->count() == 0 || !is_refused) continue;
     // A run that is repeated from its record also repeats the defaults.
     if (join(option->results()) == option->get_default_str()) continue;
     return fail(ErrorCode::kInvalidValue, option->get_name(), "has no effect on ", what, "; omit it");

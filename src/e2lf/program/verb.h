@@ -70,9 +70,9 @@ class Verb {
   /// succeeds, run() then reports the failure and returns 3, because the result contains only what came before it.
   void set_failed_input(const std::string& failure) const { failed_input_ = failure; }
 
-  /// Fails with kInvalidValue if an option of these help groups differs from its default although it has no effect,
-  /// because the input is `what` ("a light field").
-  [[nodiscard]] Result<void> refuse_options(const std::vector<std::string>& groups, const std::string& what) const;
+  /// Fails with kInvalidValue if one of these options, which are names or help groups, differs from its default
+  /// although it has no effect, because the input is `what` ("a light field").
+  [[nodiscard]] Result<void> refuse_options(const std::vector<std::string>& options, const std::string& what) const;
 
   /// Parses the arguments, runs `work`, and prints its error as "e2lf: <verb>: <what went wrong>; <what to do>".
   /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 3 success with live input that

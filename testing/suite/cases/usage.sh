@@ -72,6 +72,10 @@ for option in "--schedule schedule.json" "--source bursts" "--to-us 5" "--channe
   # shellcheck disable=SC2086 # the option and its value
   fails 1 "event images" "${reconstruct[@]}" $option
 done
+for option in "--device cuda" "--fuse 4" "--cycles-per-map 3" "--source bursts" "--max-cycles 2" --filter-pixels; do
+  # shellcheck disable=SC2086 # the option and its value
+  fails 1 "light fields" "$E2LF" depth demo/scene -o no $option
+done
 fails 1 "--white" "$E2LF" info recording.raw --white 5
 fails 1 "--colour" "$E2LF" convert recording.raw rec.csv --colour
 fails 1 "light field" "$E2LF" info demo/scene --from-us 5

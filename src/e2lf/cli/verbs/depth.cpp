@@ -238,6 +238,10 @@ Result<void> refuse(const Verb& verb, std::span<const char* const> options, cons
 Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const Verb& verb) {
   constexpr std::array kOfEvents = {"--model", "--codes", "--camera"};
   E2LF_RETURN_IF_ERROR(refuse(verb, kOfEvents, "only applies to events, not to light fields; leave it out"));
+  E2LF_RETURN_IF_ERROR(
+      verb.refuse_options({kCycleOptions, kNetworkOptions, kRecordingOptions, kTableOptions, "--invert-polarity",
+                           "--max-cycles", "--transitions", "--cycles-per-map", "--fuse"},
+                          "light fields"));
   const fs::path& input = arguments.output.input;
   arguments.output.is_one = !are_cycles;
   RunRecord record(verb, {input});
