@@ -135,11 +135,13 @@ void RigCheck::add_light(const cycles::Cycle& cycle) {
   }
 }
 
-/// Returns the finding that the light is too low if the events confirm neither the times nor the polarity of most
-/// cycles, and no change of the patterns, not even that to white, causes an event on most pixels.
+/// Returns the finding that the light is too low if the events do not confirm the times of most cycles, or contradict
+/// their polarity, and no change of the patterns, not even that to white, causes an event on most pixels.
 std::optional<Finding> RigCheck::check_light() const {
   constexpr double kLeastPerPixel = 0.6;
-  if (2 * doubtful_ <= cycles_ || signed_per_pixel_.empty()) return std::nullopt;
+  const bool are_signs_right = polarities_[static_cast<size_t>(Polarity::kInverted)] == 0 &&
+                               polarities_[static_cast<size_t>(Polarity::kHalfCycleOff)] == 0;
+  if ((2 * doubtful_ <= cycles_ && are_signs_right) || signed_per_pixel_.empty()) return std::nullopt;
   double most = 0;
   for (const double sum : signed_per_pixel_) most = std::max(most, std::abs(sum));
   uint64_t judged = 0;

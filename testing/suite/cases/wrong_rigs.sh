@@ -190,3 +190,7 @@ for light in 0.2 0.1 0.03 0.01; do
     0.0* | *light-low*) fail "$light: $found" ;;
   esac
 done
+# Leaks of dark pixels agree with the times by chance, and with an inverted polarity.
+"$E2LF" simulate demo/scene -m e2lf-n4 --camera evk4-lcos --cycles 3 --scene-gain 0.01 --stream -o dark.raw --quiet
+"$E2LF" accumulate dark.raw -o dark.npz --json >dark.json 2>err.txt
+grep -q '"light-low"' dark.json && ! grep -q 'polarity-inverted\|trigger-delay\|cycles-unconfirmed' err.txt || fail "$(cat dark.json)"
