@@ -33,7 +33,7 @@ assert e2lf.read_light_field("views").shape == field.shape
 events = np.zeros(1000, dtype=[("x", "<u2"), ("y", "<u2"), ("p", "<i2"), ("t", "<i8")])
 events["t"], events["x"] = np.arange(1000), np.arange(1000) % 90
 for name in ("a.raw", "a.hdf5", "a.npz", "a.csv", "a.dat"):
-    with e2lf.create_recording(name, width=96, height=64) as writer:
+    with e2lf.create_recording(name, sensor_width=96, sensor_height=64) as writer:
         writer.write(events)
     read, _ = e2lf.read_events(name)
     assert all((read[field] == events[field]).all() for field in ("x", "y", "p", "t")), name
