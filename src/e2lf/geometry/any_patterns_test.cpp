@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Networks that are adapted to patterns, against values that an implementation in PyTorch computed for the same weights.
+// Networks that are adapted to patterns, against values that an implementation in PyTorch computed for the same
+// weights.
 #include "e2lf/geometry/any_patterns.h"
 
 #include <algorithm>
