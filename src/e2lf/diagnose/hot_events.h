@@ -10,7 +10,7 @@
 
 namespace e2lf::diagnose {
 
-/// Returns whether so many pixels are hot that it is told: 0.03 % of them, and at least four.
+/// Returns whether a finding names the hot pixels: they are 0.03 % of all pixels or more, and at least four.
 [[nodiscard]] bool are_many_hot(size_t hot, size_t pixels);
 
 /// Finds hot pixels in a recording that is not divided into cycles: slices of two events per pixel take the place of

@@ -341,9 +341,13 @@ Result<bool> is_video_model(const std::filesystem::path& path) {
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   // The network of disparity stays in its own file.
   const bool has_part = is_picture_network(model) && model.open_guide;
-  Model own = model;
-  if (has_part) own.open_guide = nullptr;
-  E2LF_RETURN_IF_ERROR(validate(own, path.string()));
+  if (has_part) {
+    Model own = model;
+    own.open_guide = nullptr;
+    E2LF_RETURN_IF_ERROR(validate(own, path.string()));
+  } else {
+    E2LF_RETURN_IF_ERROR(validate(model, path.string()));
+  }
   Safetensors tensors;
   const auto store = [&](const std::string& name, const std::vector<size_t>& shape, const std::vector<float>& values) {
     tensors.tensors[name] =

@@ -171,9 +171,8 @@ Result<void> validate(const Model& model, const std::string& location) {
   E2LF_RETURN_IF_ERROR(check_any_patterns(model, location));
   if (model.open_guide) {
     return refuse(location, "composed_of",
-                  "the network is for any patterns; give those that the camera shows, or adapt it to them with `e2lf "
-                  "model "
-                  "store`",
+                  "the network is for any patterns; give those that the camera shows, or adapt it to them with `"
+                  "e2lf model store`",
                   ErrorCode::kUnsupported)
         .about("codes");
   }

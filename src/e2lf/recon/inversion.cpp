@@ -71,7 +71,7 @@ void column_sums(const float* in, float* out, size_t rows, size_t columns, size_
   }
 }
 
-/// The same along a row of single values.
+/// Computes sliding sums along a row.
 void row_sums(const float* in, float* out, size_t count, size_t radius) {
   column_sums(in, out, count, 1, 1, radius);
 }

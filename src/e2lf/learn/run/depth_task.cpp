@@ -67,13 +67,7 @@ class DepthTask : public Task {
                   "the disparity of view (4, 4) of this scene is not known; pack it with `e2lf pack --disparity`, or "
                   "name another scene");
     }
-    std::vector<SceneScore> scores;
-    for (const JudgedSet& set : judged_) {
-      E2LF_ASSIGN_OR_RETURN(SceneScore score, evaluate_set(weights, set.codes, *found, judgement));
-      if (!set.name.empty()) score.name += ":" + set.name;
-      scores.push_back(std::move(score));
-    }
-    return scores;
+    return judge_sets(judged_, [&](const auto& codes) { return evaluate_set(weights, codes, *found, judgement); });
   }
 
   /// Adapts the weights to patterns.codes, at two scales. Fails as geometry::for_patterns() does.

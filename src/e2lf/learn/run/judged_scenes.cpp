@@ -28,6 +28,17 @@ Result<std::vector<JudgedSet>> read_judged(const PatternConfig& patterns, const 
   return sets;
 }
 
+Result<std::vector<SceneScore>> judge_sets(const std::vector<JudgedSet>& sets,
+                                           const std::function<Result<SceneScore>(const capture::Codes&)>& judge) {
+  std::vector<SceneScore> scores;
+  for (const JudgedSet& set : sets) {
+    E2LF_ASSIGN_OR_RETURN(SceneScore score, judge(set.codes));
+    if (!set.name.empty()) score.name += ":" + set.name;
+    scores.push_back(std::move(score));
+  }
+  return scores;
+}
+
 Result<JudgedEvents> simulate_judged(const Scene& scene, const capture::Codes& codes, const Judgement& judgement,
                                      int64_t multiple, torch::Device device) {
   torch::NoGradGuard no_grad;

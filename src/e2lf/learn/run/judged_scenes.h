@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <string>
 #include <torch/types.h>
 #include <vector>
@@ -25,6 +26,10 @@ struct JudgedSet {
 
 /// Reads the patterns that a network is judged with: those of patterns.evaluated, or else `own`.
 [[nodiscard]] Result<std::vector<JudgedSet>> read_judged(const PatternConfig& patterns, const capture::Codes& own);
+
+/// Judges a scene with each set by `judge`; the names of the scores are those of the scene and the set.
+[[nodiscard]] Result<std::vector<SceneScore>> judge_sets(
+    const std::vector<JudgedSet>& sets, const std::function<Result<SceneScore>(const capture::Codes&)>& judge);
 
 /// The events of one scene as a batch, continued by mirror images to a size that networks take.
 struct JudgedEvents {

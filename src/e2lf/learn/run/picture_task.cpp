@@ -87,13 +87,7 @@ class PictureTask : public Task {
                                                          const std::string& scene,
                                                          const Judgement& judgement) const override {
     E2LF_ASSIGN_OR_RETURN(const Scene* found, batches_.dataset().find(scene));
-    std::vector<SceneScore> scores;
-    for (const JudgedSet& set : judged_) {
-      E2LF_ASSIGN_OR_RETURN(SceneScore score, evaluate_set(weights, set.codes, *found, judgement));
-      if (!set.name.empty()) score.name += ":" + set.name;
-      scores.push_back(std::move(score));
-    }
-    return scores;
+    return judge_sets(judged_, [&](const auto& codes) { return evaluate_set(weights, codes, *found, judgement); });
   }
 
   /// The model names its network of disparity, and has no patterns of its own.
@@ -162,6 +156,12 @@ Result<FixedDisparity> read_disparity(const Config& config, torch::Device device
   geometry::add_operations();  // before a model with them is read
   E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name));
   E2LF_ASSIGN_OR_RETURN(const model::Model model, model::read_model(path));
+  const auto bundled = bundled_file_named(kBundledModels, path.stem().string());
+  std::error_code error;
+  if (bundled && !std::filesystem::equivalent(*bundled, path, error)) {
+    return fail(ErrorCode::kInvalidValue, "network.disparity", name,
+                " has the name of a bundled model, which would be found in its place; rename the file");
+  }
   const std::vector<size_t> widths = widths_of(model.network);
   if (model.any_patterns.empty() || !model::is_depth_network(model) || widths.size() < 2) {
     return fail(ErrorCode::kInvalidValue, "network.disparity", name,

@@ -143,6 +143,17 @@ TEST(PictureTraining, RefusesWhatItCannotTrain) {
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << "e2lf-depth takes multiples of 64";
 }
 
+/// The stored model states the name alone, which must not lead to another network.
+TEST_F(PictureRun, RefusesADisparityThatABundledModelWouldReplace) {
+  const auto own = folder_ / "e2lf-depth.safetensors", renamed = folder_ / "own-depth.safetensors";
+  for (const auto& path : {own, renamed}) {
+    std::filesystem::copy_file(*bundled_file_named(kBundledModels, "e2lf-depth"), path);
+    Config config = picture_config();
+    config.network.disparity = path.string();
+    EXPECT_EQ(Trainer::create(config).ok(), path == renamed) << path;
+  }
+}
+
 Config bundled_config() {
   const auto path = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / "e2lf-any.json";
   const auto config = config_from_json(read_json(path).value(), path.string());
