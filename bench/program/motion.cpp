@@ -179,7 +179,7 @@ int run_motion(const std::vector<std::string>& arguments) {
   add_model_option(app, "--lit", options.lit, "network of the lit transitions; default: e2lf-n4-camera");
   add_model_option(app, "--whole", options.whole, "network of the whole cycle; default: e2lf-n4-cycle-camera");
   app.add_option("--size", options.size, "height and width of the middle part that is used, px")
-      ->check(whole_number(32))
+      ->check(whole_number(128))
       ->capture_default_str();
   add_camera_option(app, options.camera, "the camera; default: evk4-lcos");
   return verb.run(arguments, [&]() -> Result<void> {

@@ -30,6 +30,9 @@ fails 1 "RAW recording" "$E2LF-bench" decode recording.npz
 mkdir empty
 fails 1 "RAW recording" "$E2LF-bench" decode empty
 fails 1 "nowhere" "$E2LF-bench" decode nowhere
+# Squares that move by 8 px per cycle need room.
+"$E2LF" demo -o small --width 96 --height 96 --quiet
+fails 1 "no room for a square" "$E2LF-bench" motion small/scene --quiet
 
 part bench_reconstruct
 # A small image through the reconstruction benchmark: every row is there; sizes that the network does not take are refused. Speed itself is never tested.
