@@ -115,7 +115,8 @@ Result<Shot> square_before(const LightField& scene, const LightField& thing, siz
   const size_t height = still.shape().height, width = still.shape().width, way = px_per_cycle * cycles;
   const size_t side = std::min(height, width) * 9 / 32;
   if (width < side + way + 2 * (kNearPx + 1) || thing.shape().height < side || thing.shape().width < side) {
-    return Error{ErrorCode::kShape, "the scenes have no room for a square that moves; use some of more than 128 px", ""};
+    return Error{ErrorCode::kShape, "the scenes have no room for a square that moves; use some of more than 128 px",
+                 ""};
   }
   const Square square{(height - side) / 2, (width - side - way) / 2, side};
   E2LF_ASSIGN_OR_RETURN(
