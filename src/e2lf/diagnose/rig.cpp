@@ -139,8 +139,7 @@ void RigCheck::add_light(const cycles::Cycle& cycle) {
 /// their polarity, and no change of the patterns, not even that to white, causes an event on most pixels.
 std::optional<Finding> RigCheck::check_light() const {
   constexpr double kLeastPerPixel = 0.6;
-  const bool are_signs_right = polarities_[static_cast<size_t>(Polarity::kInverted)] == 0 &&
-                               polarities_[static_cast<size_t>(Polarity::kHalfCycleOff)] == 0;
+  const bool are_signs_right = cycles_of(Polarity::kInverted) + cycles_of(Polarity::kHalfCycleOff) == 0;
   if ((2 * doubtful_ <= cycles_ && are_signs_right) || signed_per_pixel_.empty()) return std::nullopt;
   double most = 0;
   for (const double sum : signed_per_pixel_) most = std::max(most, std::abs(sum));
@@ -158,59 +157,64 @@ std::optional<Finding> RigCheck::check_light() const {
 
 Findings RigCheck::findings(const cycles::CycleReader& reader) const {
   const cycles::CycleOptions& options = reader.options();
+  const bool has_triggers_as_source = options.source == CycleSource::kTriggers;
   Findings findings;
-  std::optional<Finding> of_triggers;
-  if (options.source == CycleSource::kTriggers) of_triggers = check_triggers(options);
-  auto of_light = check_light();
-  const bool has_light = !of_light;
-  if (of_light) findings.push_back(std::move(*of_light));
+  const auto add = [&](std::optional<Finding> finding) {
+    if (finding) findings.push_back(*std::move(finding));
+    return finding.has_value();
+  };
+  auto of_triggers = has_triggers_as_source ? check_triggers(options) : std::nullopt;
+  const bool has_light = !add(check_light());
   // Patterns that are mistaken for others have other signs.
-  if (!of_triggers && has_light) add_signs(reader, findings);
-  add_late_triggers(options.schedule, findings);
-  if (options.source == CycleSource::kTriggers && has_light) add_delay(options, findings);
-  if (of_triggers) findings.push_back(std::move(*of_triggers));
+  if (!of_triggers && has_light) {
+    add(check_inversion(options));
+    add(check_halves());
+  }
+  add(check_late_triggers(options.schedule));
+  if (has_triggers_as_source && has_light) add(check_delay(options));
+  add(std::move(of_triggers));
   if (reader.report().has_assumed_first) {
-    findings.push_back(
-        Finding{"first-pattern-assumed", Severity::kWarning,
+    add(Finding{"first-pattern-assumed", Severity::kWarning,
                 "neither intervals nor events determine which pattern the first trigger begins, and pattern 0 of "
                 "the schedule is assumed",
                 "give its number"}
             .about("first_pattern"));
   }
-  add_pixels(findings);
-  add_duplicates(findings);
-  if (has_light) add_confidence(reader, findings);
+  add(check_pixels());
+  add(check_duplicates());
+  // A more certain reason explains it, but times that only the schedule states may be wrong in addition.
+  const bool is_explained = contains(findings, "polarity-inverted") || contains(findings, "half-cycle-off");
+  if (has_light && (!is_explained || options.source == CycleSource::kSchedule)) add(check_confidence());
   return findings;
 }
 
-void RigCheck::add_signs(const cycles::CycleReader& reader, Findings& findings) const {
-  const uint64_t inverted = polarities_[static_cast<size_t>(Polarity::kInverted)];
-  const uint64_t half_off = polarities_[static_cast<size_t>(Polarity::kHalfCycleOff)];
-  // live decodes most cycles only as far as their event images require, so that their signs are not known.
-  const uint64_t known = inverted + half_off + polarities_[static_cast<size_t>(Polarity::kRight)];
-  if (inverted > 0) {
-    findings.push_back(
-        {"polarity-inverted",
-         Severity::kError,
-         cat("the polarity is inverted in ", inverted, " of ", known,
-             " cycles: the change from black to the first pattern causes OFF events"),
-         reader.options().invert_polarity ? "do not exchange ON and OFF events" : "exchange ON and OFF events",
-         {{"cycles", inverted}},
-         "invert_polarity"});
-  }
-  if (half_off > 0) {
-    findings.push_back({"half-cycle-off",
-                        Severity::kError,
-                        cat("the patterns of ", half_off, " of ", known, " cycles are mistaken for their inverses"),
-                        "check the first pattern and the origin of the schedule",
-                        {{"cycles", half_off}},
-                        "first_pattern"});
-  }
+std::optional<Finding> RigCheck::check_inversion(const cycles::CycleOptions& options) const {
+  const uint64_t inverted = cycles_of(Polarity::kInverted);
+  if (inverted == 0) return std::nullopt;
+  return Finding{"polarity-inverted",
+                 Severity::kError,
+                 cat("the polarity is inverted in ", inverted, " of ", cycles_of_known_signs(),
+                     " cycles: the change from black to the first pattern causes OFF events"),
+                 options.invert_polarity ? "do not exchange ON and OFF events" : "exchange ON and OFF events",
+                 {{"cycles", inverted}},
+                 "invert_polarity"};
 }
 
-void RigCheck::add_late_triggers(const cycles::Schedule& schedule, Findings& findings) const {
+std::optional<Finding> RigCheck::check_halves() const {
+  const uint64_t half_off = cycles_of(Polarity::kHalfCycleOff);
+  if (half_off == 0) return std::nullopt;
+  return Finding{
+      "half-cycle-off",
+      Severity::kError,
+      cat("the patterns of ", half_off, " of ", cycles_of_known_signs(), " cycles are mistaken for their inverses"),
+      "check the first pattern and the origin of the schedule",
+      {{"cycles", half_off}},
+      "first_pattern"};
+}
+
+std::optional<Finding> RigCheck::check_late_triggers(const cycles::Schedule& schedule) const {
   constexpr size_t kNamed = 3;
-  if (num_late_ == 0) return;
+  if (num_late_ == 0) return std::nullopt;
   std::vector<std::string> named;
   Json each = Json::array();
   for (const LateTrigger& late : late_triggers_) {
@@ -219,77 +223,69 @@ void RigCheck::add_late_triggers(const cycles::Schedule& schedule, Findings& fin
     named.push_back(cat("cycle ", late.cycle, ", pattern ", late.pattern, " (", schedule.patterns[late.pattern].name,
                         "): ", std::abs(late.late_us), " us ", late.late_us > 0 ? "late" : "early"));
   }
-  findings.push_back({"triggers-late",
-                      Severity::kWarning,
-                      cat(num_late_, num_late_ == 1 ? " trigger is" : " triggers are",
-                          " out of step with the others, so that events were assigned to the wrong pattern (",
-                          join(named, "; "), num_late_ > kNamed ? "; ..." : "", ")"),
-                      "look for noise on the wire; the confidence of these cycles is 0",
-                      {{"triggers", each}}});
+  return Finding{"triggers-late",
+                 Severity::kWarning,
+                 cat(num_late_, num_late_ == 1 ? " trigger is" : " triggers are",
+                     " out of step with the others, so that events were assigned to the wrong pattern (",
+                     join(named, "; "), num_late_ > kNamed ? "; ..." : "", ")"),
+                 "look for noise on the wire; the confidence of these cycles is 0",
+                 {{"triggers", each}}};
 }
 
-void RigCheck::add_delay(const cycles::CycleOptions& options, Findings& findings) const {
+std::optional<Finding> RigCheck::check_delay(const cycles::CycleOptions& options) const {
   // Pixels respond within a millisecond in bright light; triggers and displays differ by some tens of microseconds.
   constexpr int64_t kEarliestUs = -250, kLatestUs = 2'000;
   // The first events of most cameras follow the change of the pattern by about this time.
   constexpr int64_t kUsualUs = 200;
   const auto delay_us = delay_.delay_us();
-  if (!delay_us || (*delay_us >= kEarliestUs && *delay_us <= kLatestUs)) return;
+  if (!delay_us || (*delay_us >= kEarliestUs && *delay_us <= kLatestUs)) return std::nullopt;
   const bool is_late = *delay_us < 0;
   const int64_t shift_us = options.trigger_delay_us + *delay_us - kUsualUs;
-  findings.push_back(
-      {"trigger-delay",
-       Severity::kError,
-       cat("the events change ", std::abs(*delay_us), " us ", is_late ? "before" : "after",
-           " the trigger of each pattern, so that some of them are assigned to the ", is_late ? "previous" : "next",
-           " pattern"),
-       cat("check whether the other edge is the right one, or give the delay of the display, about ", shift_us, " us"),
-       {{"event_delay_us", *delay_us}, {"trigger_delay_us", shift_us}},
-       "trigger_delay_us"});
+  return Finding{
+      "trigger-delay",
+      Severity::kError,
+      cat("the events change ", std::abs(*delay_us), " us ", is_late ? "before" : "after",
+          " the trigger of each pattern, so that some of them are assigned to the ", is_late ? "previous" : "next",
+          " pattern"),
+      cat("check whether the other edge is the right one, or give the delay of the display, about ", shift_us, " us"),
+      {{"event_delay_us", *delay_us}, {"trigger_delay_us", shift_us}},
+      "trigger_delay_us"};
 }
 
-void RigCheck::add_confidence(const cycles::CycleReader& reader, Findings& findings) const {
-  // A more certain reason explains it, but times that only the schedule states may be wrong in addition.
-  const bool is_by_schedule = reader.options().source == CycleSource::kSchedule;
-  if (doubtful_ == 0 || (!is_by_schedule && contains(findings, "polarity-inverted")) ||
-      (!is_by_schedule && contains(findings, "half-cycle-off")) || doubtful_ <= late_triggers_.size()) {
-    return;
-  }
-  findings.push_back(
-      {"cycles-unconfirmed",
-       Severity::kWarning,
-       cat("the events of ", doubtful_, " of ", cycles_,
-           " cycles do not change when the patterns should have (least confidence ", least_confidence_, ")"),
-       "check the schedule, its origin and the first pattern, and look at the plot of the cycles",
-       {{"cycles", doubtful_}, {"least_confidence", least_confidence_}},
-       "schedule"});
+std::optional<Finding> RigCheck::check_confidence() const {
+  if (doubtful_ <= late_triggers_.size()) return std::nullopt;
+  return Finding{"cycles-unconfirmed",
+                 Severity::kWarning,
+                 cat("the events of ", doubtful_, " of ", cycles_,
+                     " cycles do not change when the patterns should have (least confidence ", least_confidence_, ")"),
+                 "check the schedule, its origin and the first pattern, and look at the plot of the cycles",
+                 {{"cycles", doubtful_}, {"least_confidence", least_confidence_}},
+                 "schedule"};
 }
 
-void RigCheck::add_pixels(Findings& findings) const {
-  if (!are_many_hot(num_hot_, sums_.counts.image_size())) return;
+std::optional<Finding> RigCheck::check_pixels() const {
+  if (!are_many_hot(num_hot_, sums_.counts.image_size())) return std::nullopt;
   const double share = static_cast<double>(num_hot_) / static_cast<double>(sums_.counts.image_size());
-  findings.push_back(
-      {"pixels-hot",
-       Severity::kWarning,
-       cat(num_hot_, " pixels (", std::round(1e4 * share) / 100,
-           " %) have far more events than their neighbours in each cycle, which spoils the result around "
-           "them, too"),
-       "give hot pixels the events of their neighbours",
-       {{"pixels", num_hot_}, {"share", share}},
-       "filter_pixels"});
+  return Finding{"pixels-hot",
+                 Severity::kWarning,
+                 cat(num_hot_, " pixels (", std::round(1e4 * share) / 100,
+                     " %) have far more events than their neighbours in each cycle, which spoils the result around "
+                     "them, too"),
+                 "give hot pixels the events of their neighbours",
+                 {{"pixels", num_hot_}, {"share", share}},
+                 "filter_pixels"};
 }
 
-void RigCheck::add_duplicates(Findings& findings) const {
+std::optional<Finding> RigCheck::check_duplicates() const {
   constexpr double kLeastShare = 0.002;
   constexpr uint64_t kLeast = 100;
   const double share = duplicates_.share();
-  if (duplicates_.duplicates() < kLeast || share < kLeastShare) return;
-  findings.push_back(
-      {"events-duplicate",
-       Severity::kWarning,
-       cat(std::round(1000 * share) / 10, " % of the events are exact duplicates of others, and count twice"),
-       "look for packets that were sent twice or files that were joined, and remove them",
-       {{"share", share}}});
+  if (duplicates_.duplicates() < kLeast || share < kLeastShare) return std::nullopt;
+  return Finding{"events-duplicate",
+                 Severity::kWarning,
+                 cat(std::round(1000 * share) / 10, " % of the events are exact duplicates of others, and count twice"),
+                 "look for packets that were sent twice or files that were joined, and remove them",
+                 {{"share", share}}};
 }
 
 Json RigCheck::json(const cycles::CycleReader& reader) const {

@@ -68,13 +68,19 @@ class RigCheck {
 
  private:
   void add_light(const cycles::Cycle& cycle);
+  [[nodiscard]] uint64_t cycles_of(Polarity polarity) const { return polarities_[static_cast<size_t>(polarity)]; }
+  /// live decodes most cycles only as far as their event images require, so that their signs are not known.
+  [[nodiscard]] uint64_t cycles_of_known_signs() const {
+    return cycles_of(Polarity::kRight) + cycles_of(Polarity::kInverted) + cycles_of(Polarity::kHalfCycleOff);
+  }
   [[nodiscard]] std::optional<Finding> check_light() const;
-  void add_signs(const cycles::CycleReader& reader, Findings& findings) const;
-  void add_late_triggers(const cycles::Schedule& schedule, Findings& findings) const;
-  void add_delay(const cycles::CycleOptions& options, Findings& findings) const;
-  void add_confidence(const cycles::CycleReader& reader, Findings& findings) const;
-  void add_pixels(Findings& findings) const;
-  void add_duplicates(Findings& findings) const;
+  [[nodiscard]] std::optional<Finding> check_inversion(const cycles::CycleOptions& options) const;
+  [[nodiscard]] std::optional<Finding> check_halves() const;
+  [[nodiscard]] std::optional<Finding> check_late_triggers(const cycles::Schedule& schedule) const;
+  [[nodiscard]] std::optional<Finding> check_delay(const cycles::CycleOptions& options) const;
+  [[nodiscard]] std::optional<Finding> check_confidence() const;
+  [[nodiscard]] std::optional<Finding> check_pixels() const;
+  [[nodiscard]] std::optional<Finding> check_duplicates() const;
 
   TriggerInputs inputs_;
   EventDelay delay_;

@@ -112,10 +112,20 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
     result.findings =
         diagnose::check_event_images(result.cycle.images.events, codes ? &*codes : nullptr, options_.use.cycles);
   }
-  E2LF_RETURN_IF_ERROR(
-      naming(options_.events.input, sequence_ ? make_light_field(result, progress) : make_map(result, progress)));
+  E2LF_RETURN_IF_ERROR(naming(options_.events.input, make(result, progress)));
   keep(result);
   return std::optional(std::move(result));
+}
+
+Result<void> EventRun::make(EventResult& result, const ProgressFn& progress) {
+  switch (method().algorithm) {
+    case Algorithm::kNetwork:
+    case Algorithm::kInversion:
+      return make_light_field(result, progress);
+    case Algorithm::kDepth:
+      return make_map(result, progress);
+  }
+  return {};
 }
 
 Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& progress) {

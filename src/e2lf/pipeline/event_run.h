@@ -94,6 +94,7 @@ class EventRun {
   EventRun(EventRunOptions options, CycleInput input) : options_(std::move(options)), input_(std::move(input)) {}
   [[nodiscard]] Result<void> open_method_of_input();
   [[nodiscard]] Result<void> prepare_light_fields();
+  [[nodiscard]] Result<void> make(EventResult& result, const ProgressFn& progress);
   [[nodiscard]] Result<void> make_light_field(EventResult& result, const ProgressFn& progress);
   [[nodiscard]] Result<void> make_map(EventResult& result, const ProgressFn& progress);
   void keep(const EventResult& result);

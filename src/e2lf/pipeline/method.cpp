@@ -148,7 +148,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   return {};
 }
 
-Result<void> open_classical(const MethodChoice& choice, OpenedMethod& opened) {
+Result<void> open_inversion(const MethodChoice& choice, OpenedMethod& opened) {
   opened.codes = known_codes(choice.codes, choice.events.codes, choice.model ? &*choice.model : nullptr);
   if (!opened.codes && choice.model) {
     return Error{ErrorCode::kNotFound, "the model contains no aperture patterns; give those of the camera",
@@ -171,8 +171,8 @@ Result<model::Model> read_network(const fs::path& path) {
 }
 
 Result<OpenedMethod> open_method(MethodChoice choice) {
-  const bool is_network = choice.algorithm != Algorithm::kInversion;
-  if (choice.measurement != capture::MeasurementKind::kEventImages && !(is_network && choice.model)) {
+  if (choice.measurement != capture::MeasurementKind::kEventImages &&
+      (choice.algorithm == Algorithm::kInversion || !choice.model)) {
     return fail(ErrorCode::kInvalidValue, "", "this is the measurement ", capture::measurement_name(choice.measurement),
                 "; give a network that was trained for it");
   }
@@ -181,7 +181,15 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
   opened.camera = choice.camera ? choice.camera : choice.events.camera;
   if (opened.camera) opened.camera_stated_by = choice.camera ? StatedBy::kCaller : StatedBy::kEvents;
   opened.views = choice.camera && choice.camera->views ? choice.camera->views : choice.events.views;
-  E2LF_RETURN_IF_ERROR(is_network ? open_network(choice, opened) : open_classical(choice, opened));
+  switch (choice.algorithm) {
+    case Algorithm::kNetwork:
+    case Algorithm::kDepth:
+      E2LF_RETURN_IF_ERROR(open_network(choice, opened));
+      break;
+    case Algorithm::kInversion:
+      E2LF_RETURN_IF_ERROR(open_inversion(choice, opened));
+      break;
+  }
   return opened;
 }
 

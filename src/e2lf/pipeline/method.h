@@ -51,7 +51,7 @@ struct MethodUse {
 /// record.
 struct OpenedMethod {
   Algorithm algorithm = Algorithm::kNetwork;
-  std::shared_ptr<const recon::Reconstructor> network;  ///< null for the other algorithms
+  std::shared_ptr<const recon::Reconstructor> network;  ///< null for the inversion
   std::shared_ptr<const recon::Reconstructor> lit;  ///< bundled network of the lit transitions, for cycles with motion
   std::optional<std::filesystem::path> bundled;     ///< file of the bundled network that was chosen by default
   std::optional<KnownCodes> codes;                  ///< empty if no source, not even the model, states the patterns
@@ -65,7 +65,7 @@ struct OpenedMethod {
   /// Returns true if the method accepts sums over several cycles, and fused ones.
   [[nodiscard]] bool takes_sums() const { return network && model::is_conditioned_on_camera(network->model()); }
   /// Returns true if the results are disparity maps, and light fields otherwise.
-  [[nodiscard]] bool gives_disparities() const { return network && model::is_depth_network(network->model()); }
+  [[nodiscard]] bool gives_disparities() const { return algorithm == Algorithm::kDepth; }
   /// Returns true if the network was trained for the patterns of the events, as far as these are known.
   [[nodiscard]] bool are_patterns_the_models() const;
 

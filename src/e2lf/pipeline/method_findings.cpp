@@ -64,7 +64,7 @@ Findings network_findings(const OpenedMethod& method, const MethodUse& use) {
   return findings;
 }
 
-Findings classical_findings(const OpenedMethod& method) {
+Findings inversion_findings(const OpenedMethod& method) {
   Findings findings;
   if (method.codes->stated_by == StatedBy::kNone) {
     findings.push_back(
@@ -89,7 +89,14 @@ Findings classical_findings(const OpenedMethod& method) {
 }  // namespace
 
 Findings method_findings(const OpenedMethod& method, const MethodUse& use) {
-  return method.network ? network_findings(method, use) : classical_findings(method);
+  switch (method.algorithm) {
+    case Algorithm::kNetwork:
+    case Algorithm::kDepth:
+      return network_findings(method, use);
+    case Algorithm::kInversion:
+      return inversion_findings(method);
+  }
+  return {};
 }
 
 std::optional<Finding> gain_finding(const OpenedMethod& method, float gain) {
