@@ -2,7 +2,7 @@
 # Builds a wheel that needs no library of Debian: those that e2lf reads files with are compiled from Debian's sources and linked
 # in. It serves the Python that builds it, on distributions whose glibc is not older than the symbols that the module uses.
 #   python/build_portable_wheel.sh FOLDER        writes FOLDER/e2lf-*.whl; needs Debian 12 with what `./run demo` and
-#                                                docs/python.md install, and dpkg-dev
+#                                                docs/python.md install, dpkg-dev and nasm
 set -euo pipefail
 folder=$(realpath -m "${1:?names the folder for the wheel}")
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -46,7 +46,8 @@ for package in zlib1g-dev liblz4-dev libsqlite3-dev; do cp "/usr/share/doc/$pack
 build_library highway . -DHWY_ENABLE_CONTRIB=OFF -DHWY_ENABLE_EXAMPLES=OFF
 build_library libzstd build/cmake -DZSTD_BUILD_SHARED=OFF -DZSTD_BUILD_PROGRAMS=OFF
 build_library libpng1.6 . -DPNG_SHARED=OFF -DPNG_TESTS=OFF
-build_library libjpeg-turbo . -DENABLE_SHARED=OFF -DWITH_TURBOJPEG=OFF
+# Vector instructions are required, because without an assembler libjpeg-turbo would leave them out with only a warning.
+build_library libjpeg-turbo . -DREQUIRE_SIMD=ON -DENABLE_SHARED=OFF -DWITH_TURBOJPEG=OFF
 # Without SZIP and remote files (curl, OpenSSL), which no format of e2lf needs.
 build_library hdf5 . -DHDF5_BUILD_TOOLS=OFF -DHDF5_BUILD_EXAMPLES=OFF -DHDF5_BUILD_HL_LIB=OFF -DHDF5_BUILD_CPP_LIB=OFF \
   -DHDF5_ENABLE_Z_LIB_SUPPORT=ON -DHDF5_ENABLE_SZIP_SUPPORT=OFF
