@@ -2,7 +2,7 @@
 // e2lf demo: renders a procedural scene, simulates its events and reconstructs its light field
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/output/reconstruction.h"
+#include "e2lf/cli/output/results.h"
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity_error.h"

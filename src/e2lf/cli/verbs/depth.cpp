@@ -14,7 +14,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/flags/method_flags.h"
 #include "e2lf/cli/output/event_run_log.h"
-#include "e2lf/cli/output/result_parts.h"
+#include "e2lf/cli/output/results.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_files.h"

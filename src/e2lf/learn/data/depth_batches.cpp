@@ -8,7 +8,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/learn/data/pattern_draws.h"
-#include "e2lf/learn/data/pattern_sets.h"
 
 namespace e2lf::learn {
 namespace {

@@ -10,7 +10,7 @@
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/learn/optimisers/optimisers.h"
-#include "e2lf/learn/run/depth_task.h"
+#include "e2lf/learn/run/task.h"
 
 namespace e2lf::learn {
 namespace {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The task of networks of disparity for any patterns.
-#include "e2lf/learn/run/depth_task.h"
-
 #include <algorithm>
 #include <torch/torch.h>
 
@@ -11,6 +9,7 @@
 #include "e2lf/learn/network/any_patterns.h"
 #include "e2lf/learn/optimisers/optimisers.h"
 #include "e2lf/learn/run/judged_scenes.h"
+#include "e2lf/learn/run/task.h"
 #include "e2lf/model/composition.h"
 
 namespace e2lf::learn {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/run/depth_task.h"
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -19,6 +17,7 @@
 #include "e2lf/learn/data/depth_batches.h"
 #include "e2lf/learn/data/pattern_draws.h"
 #include "e2lf/learn/network/any_patterns.h"
+#include "e2lf/learn/run/task.h"
 #include "e2lf/learn/run/trainer.h"
 
 namespace e2lf::learn {

@@ -6,7 +6,7 @@
 #include <torch/torch.h>
 
 #include "e2lf/learn/data/depth_batches.h"
-#include "e2lf/learn/data/pattern_sets.h"
+#include "e2lf/learn/data/pattern_draws.h"
 #include "e2lf/learn/network/any_patterns.h"
 
 namespace e2lf::learn {

@@ -74,6 +74,14 @@ class Task {
 [[nodiscard]] Result<std::unique_ptr<Task>> open_depth_task(Config& config, Dataset dataset, torch::Device device);
 [[nodiscard]] Result<std::unique_ptr<Task>> open_picture_task(Config& config, Dataset dataset, torch::Device device);
 
+/// An error of a disparity that counts as wrong, px per view step.
+inline constexpr double kWrongDisparity = 0.2;
+
+/// Computes the loss of outputs [batch, 2, y, x] (the disparity, and the logarithm of its scale): the negative
+/// logarithm of a Laplace likelihood, and a bounded error that prefers the likeliest disparity to the median; and the
+/// share of disparities that are wrong. Both are means over the pixels whose disparity [batch, y, x] is not NaN.
+[[nodiscard]] StepLoss depth_loss(const torch::Tensor& output, const torch::Tensor& disparity);
+
 /// Seeds torch's generator for the initial weights of a run.
 void seed_initial_weights(const Config& config);
 

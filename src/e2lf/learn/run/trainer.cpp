@@ -11,7 +11,7 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/learn/data/pattern_sets.h"
+#include "e2lf/learn/data/pattern_draws.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/run/torch_setup.h"
 
