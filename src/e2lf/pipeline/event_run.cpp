@@ -56,7 +56,14 @@ Result<EventRun> EventRun::open(EventSource source, EventRunOptions options) {
   E2LF_RETURN_IF_ERROR(check_input(input, options.events));
   EventRun run(std::move(options), std::move(input));
   E2LF_RETURN_IF_ERROR(run.open_method_of_input());
-  if (!run.method().gives_disparities()) E2LF_RETURN_IF_ERROR(run.prepare_light_fields());
+  switch (run.method().algorithm) {
+    case Algorithm::kNetwork:
+    case Algorithm::kInversion:
+      E2LF_RETURN_IF_ERROR(run.prepare_light_fields());
+      break;
+    case Algorithm::kDepth:
+      break;
+  }
   return run;
 }
 

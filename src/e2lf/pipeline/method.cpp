@@ -233,10 +233,16 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                               " reconstructs each light field from one cycle; omit the number of cycles"))
         .about(use.cycles > 1 ? "cycles_per_field" : "fuse");
   }
-  if (network) return method_of(network, use);
-  return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
-    return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
-  });
+  switch (algorithm) {
+    case Algorithm::kNetwork:
+    case Algorithm::kDepth:
+      break;
+    case Algorithm::kInversion:
+      return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
+        return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
+      });
+  }
+  return method_of(network, use);
 }
 
 recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use) {
