@@ -34,7 +34,7 @@ IMAGES = {"right": lambda events: events,
           "event images rotated by one": lambda events: np.roll(events, 1, axis=1),
           "first two event images swapped": lambda events: events[:, [1, 0, 2]],
           "last two event images swapped": lambda events: events[:, [0, 2, 1]]}
-EXPECTED = {"inverted polarity": "polarity-better-inverted", "event images rotated by one": "order-better-changed",
+EXPECTED = {"inverted polarity": "polarity-inverted", "event images rotated by one": "order-better-changed",
             "first two event images swapped": "order-better-changed",
             "last two event images swapped": "order-better-changed"} | \
     {way: "order-better-changed" if "exchanged" in way else "orientation-better-changed" for way in PATTERNS}

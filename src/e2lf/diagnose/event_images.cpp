@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/recon/inversion.h"
@@ -175,13 +176,14 @@ std::vector<OtherPlaces> compare_places(const capture::EventImages& events, cons
   const Images others = unrelated(images, events.height, events.width);
   std::vector<Candidate> candidates = candidates_for(stated);
   parallel_for(candidates.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
+    for (size_t i = begin; i < end && !stop_requested(); ++i) {
       const std::vector<PatternPlace>& places = candidates[i].places;
       const double by_chance = mismatch(others, places, events.height, events.width);
       candidates[i].other.mismatch =
           by_chance > 0 ? mismatch(images, places, events.height, events.width) / by_chance : 1;
     }
   });
+  if (stop_requested()) return {};
   std::vector<OtherPlaces> result;
   for (size_t i = 1; i < candidates.size(); ++i) {
     result.push_back(candidates[i].other);
@@ -238,37 +240,10 @@ Counts counts_of(std::span<const int16_t> image, size_t cycles) {
   return counts;
 }
 
-/// Returns 1 if the change from one pattern to the next only opens cells, -1 if it only closes cells, and 0 otherwise.
-int sign_of_change(const capture::Codes& codes, size_t transition) {
-  bool opens = false, closes = false;
-  for (size_t cell = 0; cell < codes.pattern_size(); ++cell) {
-    const float change = codes.pattern(transition + 1)[cell] - codes.pattern(transition)[cell];
-    opens |= change > 0;
-    closes |= change < 0;
-  }
-  return opens == closes ? 0 : opens ? 1 : -1;
-}
-
-/// Returns the share of the events with the wrong sign in transitions that only open or only close cells; 0 if there
-/// are too few.
-double wrong_share(const capture::EventImages& images, const capture::Codes& codes) {
-  constexpr uint64_t kEnoughEvents = 1000;
-  if (codes.num_patterns != images.count + 1) return 0;
-  uint64_t wrong = 0, all = 0;
-  for (size_t transition = 0; transition < images.count; ++transition) {
-    const int sign = sign_of_change(codes, transition);
-    if (sign == 0) continue;
-    const Counts counts = counts_of(images.image(transition), 1);
-    wrong += sign > 0 ? counts.off : counts.on;
-    all += counts.all();
-  }
-  return all < kEnoughEvents ? 0 : static_cast<double>(wrong) / static_cast<double>(all);
-}
-
 }  // namespace
 
-Findings check_event_images(const capture::EventImages& images, const capture::Codes* codes, size_t cycles) {
-  constexpr double kFewPerPixel = 0.02, kClearlyWrong = 0.8;
+Findings check_event_images(const capture::EventImages& images, size_t cycles) {
+  constexpr double kFewPerPixel = 0.02;
   constexpr uint64_t kEnough = 1000;
   Findings findings;
   std::vector<std::string> empty, beyond;
@@ -280,9 +255,8 @@ Findings check_event_images(const capture::EventImages& images, const capture::C
     sum.on += counts.on;
     sum.off += counts.off;
   }
-  const auto add = [&](const char* code, Severity severity, std::string message, std::string remedy,
-                       const char* option = "") {
-    findings.push_back({code, severity, std::move(message), std::move(remedy), {{"events", sum.all()}}, option});
+  const auto add = [&](const char* code, Severity severity, std::string message, std::string remedy) {
+    findings.push_back({code, severity, std::move(message), std::move(remedy), {{"events", sum.all()}}});
   };
   if (sum.all() == 0) {
     add("events-absent", Severity::kError, "there are no events, so that the result shows nothing of the scene",
@@ -306,11 +280,6 @@ Findings check_event_images(const capture::EventImages& images, const capture::C
         cat("most pixels of event image", beyond.size() == 1 ? " " : "s ", join(beyond),
             " count 100 events or more per cycle, which no change of a pattern causes"),
         "check that these are counts of events, and that they are not saturated");
-  }
-  if (codes != nullptr && wrong_share(images, *codes) >= kClearlyWrong) {
-    add("polarity-inverted", Severity::kError,
-        "the polarity is inverted: patterns that open cells, such as the first one after black, cause OFF events",
-        "exchange ON and OFF events, or do not if this was asked for", "invert_polarity");
   }
   // The change from black to the first pattern alone only causes ON events.
   if (images.count > 1 && sum.all() >= kEnough && (sum.on == 0 || sum.off == 0)) {

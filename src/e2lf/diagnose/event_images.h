@@ -46,7 +46,7 @@ struct OtherPlaces {
 /// thresholds, `on_per_off`. Flat scenes and scenes in the plane of zero disparity show no difference.
 ///
 /// Returns nothing unless the first pattern is black, at least three others are not, and there is one pattern more than
-/// event images.
+/// event images; and if a stop is requested meanwhile.
 [[nodiscard]] std::vector<OtherPlaces> compare_places(const capture::EventImages& events, const capture::Codes& codes,
                                                       float on_per_off);
 
@@ -59,10 +59,7 @@ struct OtherPlaces {
 
 /// Returns the reasons why the event images of a cycle are unlikely to show a scene: images without events, fewer
 /// events than one per fifty pixels, counts of 100 per cycle or more in over half of an image, and counts of a single
-/// sign. If `codes` contains the patterns, counts of the wrong sign in transitions that only open or only close cells
-/// are one, too, such as the one after black. Pass the patterns only for pixels that respond at once: slow pixels still
-/// send OFF events of the change to black. The counts may be sums over several `cycles`.
-[[nodiscard]] Findings check_event_images(const capture::EventImages& images, const capture::Codes* codes = nullptr,
-                                          size_t cycles = 1);
+/// sign. The counts may be sums over several `cycles`.
+[[nodiscard]] Findings check_event_images(const capture::EventImages& images, size_t cycles = 1);
 
 }  // namespace e2lf::diagnose

@@ -8,13 +8,12 @@
 namespace e2lf::diagnose {
 namespace {
 
-using capture::Codes;
 using capture::EventImages;
 using testing::ElementsAre;
 
-std::vector<std::string> codes_in(const EventImages& images, const Codes* codes = nullptr) {
+std::vector<std::string> codes_in(const EventImages& images) {
   std::vector<std::string> found;
-  for (const Finding& finding : check_event_images(images, codes)) found.push_back(finding.code);
+  for (const Finding& finding : check_event_images(images)) found.push_back(finding.code);
   return found;
 }
 
@@ -51,22 +50,6 @@ TEST(CheckEventImages, A14SaturatedPixelsAndALostSignAreNamed) {
   images = usual_images();
   for (int16_t& count : images.values) count = static_cast<int16_t>(-std::abs(count));
   EXPECT_THAT(codes_in(images), ElementsAre("sign-lost"));
-}
-
-TEST(CheckEventImages, B3InvertedPolarityAfterBlackIsNamed) {
-  Codes codes(4, 1, 2);  // black, one cell, the other, both
-  codes.pattern(1)[0] = codes.pattern(2)[1] = 1.0F;
-  std::ranges::fill(codes.pattern(3), 1.0F);
-  EventImages images = usual_images();
-  for (int16_t& count : images.image(0)) count = static_cast<int16_t>(count + 2);  // mostly ON
-  for (int16_t& count : images.image(2)) count = static_cast<int16_t>(count + 2);
-  EXPECT_TRUE(codes_in(images, &codes).empty());
-  for (int16_t& count : images.values) count = static_cast<int16_t>(-count);
-  EXPECT_THAT(codes_in(images, &codes), ElementsAre("polarity-inverted"));
-  // Without the patterns, and with those of another cycle, nothing tells.
-  EXPECT_TRUE(codes_in(images).empty());
-  const Codes others(3, 1, 2);
-  EXPECT_TRUE(codes_in(images, &others).empty());
 }
 
 }  // namespace

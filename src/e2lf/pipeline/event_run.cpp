@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "e2lf/diagnose/event_images.h"
+#include "e2lf/diagnose/event_order.h"
 #include "e2lf/pipeline/method_findings.h"
 
 namespace e2lf::pipeline {
@@ -114,11 +115,7 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
   const auto& of_recording = result.cycle.cycle;
   result.is_confirmed =
       chosen_.is_confirmed && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
-  if (capture::has_events(result.cycle.images.kind)) {
-    const auto codes = method().codes_of_signs();
-    result.findings =
-        diagnose::check_event_images(result.cycle.images.events, codes ? &*codes : nullptr, options_.use.cycles);
-  }
+  if (capture::has_events(result.cycle.images.kind)) result.findings = judge_events(result);
   E2LF_RETURN_IF_ERROR(naming(options_.events.input, make(result, progress)));
   keep(result);
   return std::optional(std::move(result));
@@ -133,6 +130,20 @@ Result<void> EventRun::make(EventResult& result, const ProgressFn& progress) {
       return make_map(result, progress);
   }
   return {};
+}
+
+diagnose::Findings EventRun::judge_events(const EventResult& result) const {
+  const capture::EventImages& events = result.cycle.images.events;
+  const size_t cycles = options_.use.cycles;
+  diagnose::Findings findings = diagnose::check_event_images(events, cycles);
+  // Wrong times explain every other sign and order, and so do wrong signs and orders other places of the patterns.
+  if (made_ > 0 || !result.is_confirmed || diagnose::has_doubt(findings)) return findings;
+  auto other = diagnose::check_order(events, cycles, method().known_setup());
+  if (!other && are_patterns_stated(method().codes)) {
+    other = diagnose::check_places(events, method().codes->codes, method().camera);
+  }
+  if (other && other->severity != diagnose::Severity::kNote) findings.push_back(*std::move(other));
+  return findings;
 }
 
 Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& progress) {

@@ -31,7 +31,7 @@ struct EventResult {
   size_t number = 0;  ///< counts the results of the run from 0
   CycleImages cycle = {};
   std::variant<Field, EventDepth> made = {};
-  diagnose::Findings findings = {};             ///< of its event images, and of the gain that it determines
+  diagnose::Findings findings = {};  ///< of its event images, of the first ones' signs and order, and of the gain
   std::optional<recon::EventError> error = {};  ///< of a light field, if the patterns are known
   std::optional<Explanation> check = {};        ///< of the first light field
   bool is_confirmed = true;                     ///< whether the times and patterns are confirmed
@@ -95,6 +95,7 @@ class EventRun {
   [[nodiscard]] Result<void> open_method_of_input();
   [[nodiscard]] Result<void> prepare_light_fields();
   [[nodiscard]] Result<void> make(EventResult& result, const ProgressFn& progress);
+  [[nodiscard]] diagnose::Findings judge_events(const EventResult& result) const;
   [[nodiscard]] Result<void> make_light_field(EventResult& result, const ProgressFn& progress);
   [[nodiscard]] Result<void> make_map(EventResult& result, const ProgressFn& progress);
   void keep(const EventResult& result);

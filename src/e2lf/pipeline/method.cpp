@@ -202,8 +202,10 @@ bool OpenedMethod::are_patterns_the_models() const {
   return network && are_patterns_stated(codes) && network->model().codes && *network->model().codes == codes->codes;
 }
 
-std::optional<capture::Codes> OpenedMethod::codes_of_signs() const {
-  return codes && camera && !camera->is_pixel() ? std::optional(codes->codes) : std::nullopt;
+capture::RecordedSetup OpenedMethod::known_setup() const {
+  capture::RecordedSetup setup{.codes = known_patterns(), .camera = camera};
+  if (!camera && sensor().is_pixel()) setup.camera = sensor();
+  return setup;
 }
 
 std::optional<capture::Codes> OpenedMethod::known_patterns() const {

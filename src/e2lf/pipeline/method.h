@@ -69,13 +69,11 @@ struct OpenedMethod {
   /// Returns true if the network was trained for the patterns of the events, as far as these are known.
   [[nodiscard]] bool are_patterns_the_models() const;
 
-  /// Returns the patterns that determine the signs of the events, or nothing. In dim light, slow pixels still respond
-  /// to the change to black when the first active pattern is shown, so that most of their first events are OFF. Signs
-  /// are therefore only known for the paper's event model.
-  [[nodiscard]] std::optional<capture::Codes> codes_of_signs() const;
-
   /// Returns the patterns, stated or assumed, or nothing.
   [[nodiscard]] std::optional<capture::Codes> known_patterns() const;
+  /// Returns these and the profile by which the events are judged: `camera`, or else that of the network if its pixels
+  /// are physical. In the dark, right events of such pixels look like inverted ones of the paper's model.
+  [[nodiscard]] capture::RecordedSetup known_setup() const;
 
   /// Completes a tone. An empty black level is replaced by 0, unless the camera has physical pixels and the gain is
   /// empty, too.

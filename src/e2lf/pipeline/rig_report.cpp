@@ -7,6 +7,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/capture/measurement/hot_pixels.h"
 #include "e2lf/diagnose/event_images.h"
+#include "e2lf/diagnose/event_order.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/model/composition.h"
 #include "e2lf/pipeline/event_run.h"
@@ -90,6 +91,7 @@ Result<void> add_fits(const MethodChoice& choice, const CycleInput& input, const
     with_patterns.codes = codes;
     auto fit = fit_of(name, std::move(with_patterns), input, cycle, report.findings);
     if (fit && *fit) report.fits.push_back(std::move(**fit));
+    if (!fit && stop_requested()) return {};
     if (!fit) report.no_network = fit.error();
   }
   std::ranges::sort(report.fits, {}, [](const PatternFit& fit) { return std::abs(std::log(fit.explained.ratio)); });
@@ -131,15 +133,21 @@ Result<RigReport> examine_rig(CycleInput& input, MethodChoice choice, const std:
   E2LF_ASSIGN_OR_RETURN(choice.events, input.setup());
   E2LF_RETURN_IF_ERROR(add_fits(choice, input, cycles.first, report));
   const PatternFit* best = report.fits.empty() ? nullptr : &report.fits.front();
-  const auto codes = best != nullptr ? best->method.codes_of_signs() : std::nullopt;
-  add(diagnose::check_event_images(cycles.first, codes ? &*codes : nullptr), report.findings);
+  add(diagnose::check_event_images(cycles.first), report.findings);
   if (best == nullptr) return report;
   // Wrong times explain every other order and orientation.
   if (cycles.is_confirmed) {
+    const size_t summed = std::min(cycles.counts.cycles, FirstCycles::kMostSummed);
+    if (auto other = diagnose::check_order(cycles.sum, summed, best->method.known_setup())) {
+      add({*std::move(other)}, report.findings);
+    }
     E2LF_ASSIGN_OR_RETURN(const auto check, FieldCheck::create(best->method, {}));
-    E2LF_ASSIGN_OR_RETURN(RigSearch found, search_rig(best->method, *check, best->explained, cycles.first, cycles.sum));
-    report.changes = std::move(found.changes);
-    add(found.findings, report.findings);
+    auto found = search_rig(best->method, *check, best->explained, cycles.first, cycles.sum);
+    if (!found && !stop_requested()) return found.error();
+    if (found) {
+      report.changes = std::move(found->changes);
+      add(found->findings, report.findings);
+    }
   }
   add(best->explained.findings, report.findings);
   return report;

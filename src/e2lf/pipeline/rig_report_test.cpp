@@ -43,7 +43,7 @@ TEST_F(RigReports, FindInvertedPolarityAndOtherOrders) {
   for (int16_t& count : inverted.values) count = static_cast<int16_t>(-count);
   const MethodChoice choice{.model = network_, .codes = network_.codes};
   EXPECT_TRUE(contains(report_of(rotated, choice).findings, "order-better-changed"));
-  EXPECT_TRUE(contains(report_of(inverted, choice).findings, "polarity-better-inverted"));
+  EXPECT_TRUE(contains(report_of(inverted, choice).findings, "polarity-inverted"));
 }
 
 TEST_F(RigReports, TryTheBundledPatternsIfNoneAreStated) {

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <numeric>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/diagnose/event_images.h"
+#include "e2lf/diagnose/event_order.h"
 
 namespace e2lf::pipeline {
 using diagnose::Finding;
@@ -22,8 +22,7 @@ namespace {
 constexpr double kCameraRatio = 1.2;    // ratio of the error to that with the network's camera
 constexpr double kChangedRatio = 0.97;  // ratio of the error of changed events to that of the given ones
 constexpr double kClearRatio = 0.8;     // the same if the given events are explained as well as noise permits
-constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;  // range of `ratio` for correct events
-constexpr const char* kInverted = "polarity-better-inverted";
+constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;     // range of `ratio` for correct events
 constexpr size_t kMostSideSearched = 512, kMostSideOfChanged = 192;  // px
 
 /// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
@@ -45,12 +44,6 @@ capture::EventImages oriented(const capture::EventImages& events, const OtherOri
   return result;
 }
 
-capture::EventImages reordered(const capture::EventImages& events, const std::vector<size_t>& order) {
-  capture::EventImages result(events.count, events.height, events.width);
-  for (size_t k = 0; k < events.count; ++k) std::ranges::copy(events.image(order[k]), result.image(k).begin());
-  return result;
-}
-
 /// A possible mistake of the rig, as the change of the events that undoes it.
 struct Change {
   const char* code;
@@ -58,36 +51,16 @@ struct Change {
   std::function<capture::EventImages(const capture::EventImages&)> apply;
 };
 
-Change inversion() {
-  return {kInverted, "with inverted polarity", "exchange ON and OFF events, or do not if this was asked for",
-          "invert_polarity", [](capture::EventImages events) {
-            for (int16_t& count : events.values) count = capture::saturated(-count);
-            return events;
-          }};
-}
-
-std::vector<Change> other_orders(size_t transitions) {
-  std::vector<size_t> order(transitions);
-  std::iota(order.begin(), order.end(), size_t{0});
+std::vector<Change> changes_of(size_t transitions) {
   std::vector<Change> changes;
-  const auto add = [&](const std::vector<size_t>& changed) {
-    std::vector<std::string> numbers;
-    for (const size_t number : changed) numbers.push_back(std::to_string(number));
-    changes.push_back({"order-better-changed", cat("with the event images in the order ", join(numbers)),
-                       "check the order of the patterns, as stated and on the display, and the first pattern", "codes",
-                       [changed](const capture::EventImages& events) { return reordered(events, changed); }});
-  };
-  for (size_t shift = 1; shift < transitions; ++shift) {
-    std::vector<size_t> rotated = order;
-    std::rotate(rotated.begin(), rotated.begin() + static_cast<std::ptrdiff_t>(shift), rotated.end());
-    add(rotated);
+  for (const diagnose::EventChange& change : diagnose::event_changes(transitions)) {
+    changes.push_back({change.code, change.name, change.remedy, change.option,
+                       [change](const capture::EventImages& events) { return change.apply(events); }});
   }
-  for (size_t i = 0; i + 1 < transitions && transitions > 2; ++i) {
-    std::vector<size_t> swapped = order;
-    std::swap(swapped[i], swapped[i + 1]);
-    add(swapped);
+  for (const OtherOrientation& other : diagnose::kOtherOrientations) {
+    changes.push_back({"orientation-better-changed", other.name, other.remedy, "",
+                       [&other](const capture::EventImages& images) { return oriented(images, other); }});
   }
-  if (transitions > 3) add({order.rbegin(), order.rend()});
   return changes;
 }
 
@@ -114,12 +87,7 @@ Result<std::optional<BetterChange>> better_change(const FieldCheck& check, const
       in_window(check.camera(), static_cast<double>(side) / static_cast<double>(events.width));
   const capture::EventImages given = middle_of(events, side, side);
   E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(check.method(), own, given));
-  std::vector<Change> changes = other_orders(events.count);
-  changes.push_back(inversion());
-  for (const OtherOrientation& other : diagnose::kOtherOrientations) {
-    changes.push_back({"orientation-better-changed", other.name, other.remedy, "",
-                       [&other](const capture::EventImages& images) { return oriented(images, other); }});
-  }
+  const std::vector<Change> changes = changes_of(events.count);
   const Change* best = nullptr;
   double least = 0;
   for (const Change& change : changes) {
@@ -143,7 +111,7 @@ Result<std::optional<BetterChange>> better_change(const FieldCheck& check, const
                   {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}},
                   best->option};
   // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
-  const bool is_clear = finding.code == kInverted || least < kClearRatio * unchanged;
+  const bool is_clear = finding.option == "invert_polarity" || least < kClearRatio * unchanged;
   return std::optional(BetterChange{std::move(finding), is_clear});
 }
 

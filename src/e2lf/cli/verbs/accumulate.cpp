@@ -8,6 +8,7 @@
 #include "e2lf/cli/flags/cycle_options.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
+#include "e2lf/diagnose/event_order.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
@@ -103,12 +104,13 @@ class SceneCheck {
   }
   /// Adds to `findings`. Findings about the times or the polarity explain other places, too.
   void judge(const capture::RecordedSetup& setup, diagnose::Findings& findings) const {
-    for (auto& finding : diagnose::check_event_images(sum_, nullptr, std::min(cycles_, kMostCycles))) {
-      findings.push_back(std::move(finding));
-    }
+    const size_t cycles = std::min(cycles_, kMostCycles);
+    for (auto& finding : diagnose::check_event_images(sum_, cycles)) findings.push_back(std::move(finding));
     if (diagnose::has_doubt(findings)) return;
     if (setup.codes) {
-      if (auto other = diagnose::check_places(sum_, *setup.codes, setup.camera)) findings.push_back(std::move(*other));
+      auto other = diagnose::check_order(sum_, cycles, setup);
+      if (!other) other = diagnose::check_places(sum_, *setup.codes, setup.camera);
+      if (other) findings.push_back(*std::move(other));
       return;
     }
     log_info(

@@ -12,6 +12,7 @@
 #include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
+#include "e2lf/diagnose/event_order.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
@@ -178,9 +179,10 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   }
   setup.makers.emplace_back(*method.network);
   setup.options.check = [method](const capture::EventImages& events, size_t summed, bool is_confirmed) {
-    const auto codes = method.codes_of_signs();
-    diagnose::Findings findings = diagnose::check_event_images(events, codes ? &*codes : nullptr, summed);
+    diagnose::Findings findings = diagnose::check_event_images(events, summed);
     if (!findings.empty() || !is_confirmed) return findings;
+    if (auto other = diagnose::check_order(events, summed, method.known_setup()))
+      return diagnose::Findings{*std::move(other)};
     const auto check = pipeline::FieldCheck::create(method, {.cycles = summed});
     if (!check || !*check) return findings;  // for example, a network that takes no sums
     const auto explained = (*check)->judge_events(events);
