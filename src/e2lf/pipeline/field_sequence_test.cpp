@@ -81,6 +81,23 @@ TEST(FieldSequence, TakesTheLitTransitionsOfCyclesInWhichTheSceneMoves) {
   EXPECT_FLOAT_EQ(of_lit.light_field.data()[0], 0);
 }
 
+// The same counts as the sum over 16 cycles are a third of an event per cycle, which rounding explains.
+TEST(FieldSequence, DividesSumsOfCyclesBeforeItLooksForMotion) {
+  capture::EventImages sum(8, 32, 32), moving(8, 32, 32);
+  for (size_t i = 0; i < sum.image_size(); ++i) sum.image(2)[i] = i % 8 < 4 ? 5 : 0;
+  for (size_t i = 0; i < sum.values.size(); ++i) moving.values[i] = static_cast<int16_t>(16 * sum.values[i]);
+  for (const size_t cycles : {1U, 16U}) {
+    FieldSequence sequence(constant_field, {.gain = 1.0F}, cycles, constant_field);
+    const Field field = sequence.next(sum).value();
+    EXPECT_EQ(field.is_of_lit, cycles == 1);
+    EXPECT_EQ(*field.motion == 0, cycles == 16);
+  }
+  FieldSequence sequence(constant_field, {.gain = 1.0F}, 16, constant_field);
+  const Field field = sequence.next(moving).value();
+  EXPECT_TRUE(field.is_of_lit);
+  EXPECT_FLOAT_EQ(static_cast<float>(*field.motion), static_cast<float>(recon::scene_motion(sum)));
+}
+
 TEST(FieldSequence, KeepsWhatIsFusedOfTheLitTransitions) {
   const recon::Method lit = [](const capture::MeasurementView& measured,
                                const ProgressFn&) -> Result<lightfield::LightField> {

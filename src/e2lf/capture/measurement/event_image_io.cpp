@@ -115,13 +115,14 @@ Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path
   return file;
 }
 
-/// Returns the K of event_image_0000K.npy, or nothing for other names.
+constexpr std::string_view kImagePrefix = "event_image_";
+
+/// Returns the K of event_image_0000K.npy, or nothing if it is no number.
 std::optional<size_t> image_number(const fs::path& path) {
-  const std::string stem = path.stem().string(), prefix = "event_image_";
-  if (path.extension() != ".npy" || !stem.starts_with(prefix)) return std::nullopt;
+  const std::string stem = path.stem().string();
   size_t number = 0;
   const char* end = stem.data() + stem.size();
-  const auto parsed = std::from_chars(stem.data() + prefix.size(), end, number);
+  const auto parsed = std::from_chars(stem.data() + kImagePrefix.size(), end, number);
   if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
   return number;
 }
@@ -131,7 +132,13 @@ Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   std::vector<std::pair<size_t, fs::path>> found;
   std::error_code status;
   for (fs::directory_iterator entry(folder, status), end; !status && entry != end; entry.increment(status)) {
-    if (const auto number = image_number(entry->path())) found.emplace_back(*number, entry->path());
+    const fs::path& path = entry->path();
+    if (path.extension() != ".npy" || !path.stem().string().starts_with(kImagePrefix)) continue;
+    const auto number = image_number(path);
+    if (!number) {
+      return fail(ErrorCode::kFormat, path, "the name does not end in the number of an event image from 0; rename it");
+    }
+    found.emplace_back(*number, path);
   }
   if (status) return fail(ErrorCode::kIo, folder, "cannot list the folder: ", status.message());
   if (found.empty()) {

@@ -140,6 +140,18 @@ TEST_F(EventImageFiles, WrongSetupsAreNamed) {
   }
 }
 
+TEST_F(EventImageFiles, NamesInAFolderWithoutANumberFromZeroAreRefused) {
+  write<int32_t>("event_image_0.npy", {1, 2}, {0, 0});
+  ASSERT_TRUE(read_event_images(folder_));
+  for (const char* name : {"event_image_-1.npy", "event_image_0_old.npy", "event_image_.npy"}) {
+    const fs::path file = write<int32_t>(name, {1, 2}, {0, 0});
+    const auto read = read_event_images(folder_);
+    ASSERT_FALSE(read) << name;
+    EXPECT_EQ(read.error().location, file.string());
+    fs::remove(file);
+  }
+}
+
 TEST_F(EventImageFiles, FolderProblemsAreNamed) {
   EXPECT_EQ(failure(folder_), ErrorCode::kNotFound);
   write<int32_t>("event_image_00000.npy", {1, 2}, {0, 0});

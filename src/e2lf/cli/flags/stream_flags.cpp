@@ -5,7 +5,10 @@
 #include <numbers>
 #include <utility>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/number_order.h"
+#include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/program/option_values.h"
@@ -27,11 +30,19 @@ int64_t turntable_field_us(double rpm, size_t width) {
 /// Returns a scene that shows one light field after another; the last one remains.
 Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
   std::vector<fs::path> fields;
+  size_t others = 0;
   std::error_code error;
   for (fs::directory_iterator entry(input, error), end; !error && entry != end; entry.increment(error)) {
-    fields.push_back(entry->path());
+    if (lightfield::detect_kind(entry->path())) {
+      fields.push_back(entry->path());
+    } else {
+      ++others;
+    }
   }
-  std::sort(fields.begin(), fields.end());
+  std::ranges::sort(fields, is_before_in_number_order);
+  if (others > 0 && !is_quiet) {
+    log_info(cat(input.string(), ": left out ", counted(others, "file"), " without a light field"));
+  }
   if (fields.empty()) {
     return fail(ErrorCode::kNotFound, input,
                 "this is not a folder of light fields, which --field-us requires; give one");

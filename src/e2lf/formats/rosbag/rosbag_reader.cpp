@@ -6,6 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/number_order.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/batch_check.h"
@@ -28,11 +29,7 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (is_bag_file(entry.path()) && files.size() < kMaxFiles) files.push_back(entry.path());
   }
-  // "bag_2" before "bag_10".
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    const std::string first = a.filename().string(), second = b.filename().string();
-    return first.size() != second.size() ? first.size() < second.size() : first < second;
-  });
+  std::ranges::sort(files, is_before_in_number_order);
   return files;
 }
 
