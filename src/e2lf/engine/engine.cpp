@@ -129,6 +129,9 @@ Result<void> Engine::run_frame(std::span<const float> input, size_t height, size
     Stream stream(plan_, {input, output, height, width, planes_}, begin, end, state);
     bool more = true;
     while (more) {
+      if (stop_requested()) {
+        return Error{ErrorCode::kCancelled, "the network was not run to the end; run the command again", ""};
+      }
       more = stream.advance();
       if (progress) progress(begin * height + stream.rows_done() * (end - begin), width * height);
     }

@@ -59,7 +59,7 @@ class Engine {
 
   /// Runs the network on one image. `input` is float32 [input_channels, height, width], `output` is float32
   /// [output_channels, height, width], both row-major. Sizes that do not match break the contract; height and width
-  /// must be multiples of model::size_multiple().
+  /// must be multiples of model::size_multiple(). Fails with kCancelled if a stop is requested meanwhile.
   [[nodiscard]] Result<void> run(std::span<const float> input, size_t height, size_t width, std::span<float> output,
                                  const ProgressFn& progress = {}) const;
 

@@ -2,6 +2,7 @@
 #include "e2lf/engine/engine.h"
 
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <gmock/gmock.h>
@@ -96,6 +97,24 @@ TEST_F(EngineTest, ThreadsThatRunOneEngineAtOnceGetTheSameBits) {
     for (std::thread& thread : threads) thread.join();
     EXPECT_THAT(same, ::testing::Each(kRuns)) << test.name;
   }
+}
+
+TEST_F(EngineTest, EndsAtOnceIfAStopIsRequested) {
+  const TestNetwork test = test_networks()[3];
+  const Engine engine = Engine::create(test.network, random_weights(test.network, 5)).value();
+  const size_t height = 16 * test.multiple, width = 16 * test.multiple;
+  const std::vector<float> input = random_values(test.network.input_channels * height * width, 2);
+  std::vector<float> output(run_engine(test.network, random_weights(test.network, 5), input, height, width).size());
+  size_t reports = 0;
+  const auto stopped = engine.run(input, height, width, output, [&](uint64_t, uint64_t) {
+    ++reports;
+    request_stop(SIGINT);
+  });
+  request_stop(0);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+  EXPECT_EQ(reports, 1U);
+  EXPECT_TRUE(engine.run(input, height, width, output));
 }
 
 TEST_F(EngineTest, CutsWideImagesWithoutTraces) {

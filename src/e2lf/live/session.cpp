@@ -402,6 +402,7 @@ Tuning::Change Tuning::add(double cycle_s, bool is_late, bool finds_tone, LiveFi
 }
 
 void Tuning::fail(const Error& error) {
+  if (error.code == ErrorCode::kCancelled) return;  // as the user asked
   const std::lock_guard lock(mutex_);
   if (!error_) error_ = error;
 }

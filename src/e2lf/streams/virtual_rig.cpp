@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cycles/synthesise.h"
@@ -151,6 +152,8 @@ Result<void> VirtualRig::show(ShownPattern shown, int64_t end_us, recordings::Ev
   segment.is_black = aperture_.is_black(shown);
   if (!before_) E2LF_RETURN_IF_ERROR(rest_before(shown));
   while (now_us_ < end_us) {
+    if (stop_requested())
+      return fail(ErrorCode::kCancelled, "", "the cycle was not simulated to its end; run it again");
     E2LF_RETURN_IF_ERROR(reach_knot(now_us_));
     const bool rises = is_rising(begin_us), moves = rises || scene_.knot_us > 0;
     segment.begin_us = now_us_;

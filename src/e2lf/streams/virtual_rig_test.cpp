@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <gtest/gtest.h>
 #include <map>
 
+#include "e2lf/base/progress.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -61,6 +63,21 @@ TEST(VirtualRig, ShowsTheEightPatternsWithATriggerEach) {
     }
     EXPECT_TRUE(std::is_sorted(batch.events.t.begin(), batch.events.t.end()));
   }
+}
+
+TEST(VirtualRig, EndsWithinACycleIfAStopIsRequested) {
+  int requested = 0;
+  MovingScene scene{[&](uint64_t) {
+                      if (++requested == 3) request_stop(SIGINT);
+                      return Result<LightField>(bands(1.0F));
+                    },
+                    1000};
+  auto rig = make_rig(quiet(StreamModel::kReferenceAware), std::move(scene));
+  const auto stopped = rig.play_cycle();
+  request_stop(0);
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, ErrorCode::kCancelled);
+  EXPECT_LE(requested, 4);
 }
 
 TEST(VirtualRig, CarriesReferencesFromCycleToCycle) {

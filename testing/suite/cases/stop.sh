@@ -76,6 +76,17 @@ ended INT 130 '[ -e live/cycle_00000 ]' "$E2LF" reconstruct "$address" --method 
 exists live/run.json live/cycle_00000/07_07.png
 [ "$(json live/run.json "len(j['notes']['cycles']) > 0 and j.get('complete', True)")" = True ] || fail "run.json of live"
 ended INT 130 '[ -e replayed/cycle_00000 ]' "$E2LF" reconstruct replay:long.raw --method inversion --source triggers -o replayed
+# The network stops within a light field: what is complete is kept, and an unfinished first one leaves nothing.
+ended INT 130 '[ -e field/cycle_00001 ]' "$E2LF" reconstruct replay:long.raw -m e2lf-n4 --source triggers -o field
+check "$(json field/run.json "len(j['notes']['cycles'])") == $(find field -name 'cycle_*' | wc -l)"
+py - <<'PY'
+import numpy as np
+events = np.load("all.npz")["events"][:1]
+np.savez("large.npz", events=np.tile(events, (1, 1, 22, 26)))
+PY
+ended INT 130 'catches_term && ls -d unfinished.*.part >/dev/null 2>&1' "$E2LF" reconstruct large.npz -m e2lf-n4 -o unfinished
+grep -q "nothing was complete" stderr.txt || fail "$(cat stderr.txt)"
+absent unfinished
 # Who ends a stream ends it anywhere: inside a word is no damage, and strict reading keeps what there is.
 ended INT 130 'grown strict.raw 20000' "$E2LF" convert "$(address_of cut.raw)" strict.raw --event-format evt3 --strict
 exists strict.raw

@@ -73,14 +73,17 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
     const std::string name = cycle_name(cycles.size());
     // For live input, the log has a line for each cycle instead.
     ProgressBar bar("reconstruct " + name, verb.common().quiet || is_live(arguments.input));
-    E2LF_ASSIGN_OR_RETURN(auto result, run.next(bar.callback()));
-    if (!result) break;
+    auto next = run.next(bar.callback());
+    if (!next && next.error().code == ErrorCode::kCancelled && !cycles.empty()) break;
+    if (!next) return next.error();
+    if (!*next) break;
+    pipeline::EventResult& result = **next;
     hide_progress();
     E2LF_ASSIGN_OR_RETURN(const fs::path place, parts.begin(name));
-    E2LF_RETURN_IF_ERROR(write_reconstruction(place, std::get<pipeline::Field>(result->made).light_field,
+    E2LF_RETURN_IF_ERROR(write_reconstruction(place, std::get<pipeline::Field>(result.made).light_field,
                                               arguments.format, run.views().value_or(capture::Orientation{}), {}));
-    if (cycles.empty()) of_first = event_error_text(*result);
-    cycles.push_back(log.add(*result));
+    if (cycles.empty()) of_first = event_error_text(result);
+    cycles.push_back(log.add(result));
     Json about = {{"cycle", cycles.back()}, {"notes", views}};
     E2LF_RETURN_IF_ERROR(parts.commit(name, std::move(about), record));
   }

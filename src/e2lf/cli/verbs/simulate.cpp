@@ -335,7 +335,10 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   uint64_t events = 0, lost = 0;
   for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
     bar.update(cycle, arguments.cycles);
-    E2LF_ASSIGN_OR_RETURN(SimulatedCycle simulated, next(cycle));
+    Result<SimulatedCycle> made = next(cycle);
+    if (!made && made.error().code == ErrorCode::kCancelled && cycle > 0) break;
+    if (!made) return made.error();
+    SimulatedCycle simulated = *std::move(made);
     if (cycle == 0) first = simulated.measured;
     events += simulated.batch.events.size();
     lost = simulated.lost_events;

@@ -119,8 +119,10 @@ Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& make
     E2LF_ASSIGN_OR_RETURN(const bool more, windows.next(window));
     if (!more) break;
     hot.add(window.events);
-    E2LF_ASSIGN_OR_RETURN(const lightfield::ByteImage frame, maker.make(window));
-    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), frame));
+    const Result<lightfield::ByteImage> frame = maker.make(window);
+    if (!frame && frame.error().code == ErrorCode::kCancelled && report.frames > 0) break;
+    if (!frame) return frame.error();
+    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), *frame));
     report.table += cat(report.frames, ",", window.begin_us, ",", window.end_us, ",", window.events.size(), "\n");
     report.events += window.events.size();
     report.empty += window.events.empty() ? 1 : 0;
