@@ -15,7 +15,6 @@ page docs/experiments/decisions.md
 page docs/experiments/camera-fit.md
 page docs/experiments/imperfections.md
 page docs/experiments/motion.md
-page docs/experiments/capture-at-equal-tones.md
 page docs/experiments/plenoptic-scenes.md
 page docs/experiments/geometry.md
 
