@@ -362,9 +362,11 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
     return finding("trigger-edge", "there are only rising edges", "use the rising edges", "edge");
   }
   const std::vector<int64_t> times_us = times_of(input, options.edge);
-  if (options.edge == TriggerEdge::kBoth && input.falling.count > 0 &&
-      !check_times(input.rising.times_us, options.schedule, options.one_trigger_per_cycle)) {
-    return finding("trigger-edge", "each pattern has a rising and a falling edge", "use the rising edges", "edge");
+  if (options.edge == TriggerEdge::kBoth && input.falling.count > 0) {
+    const auto of_rising = check_times(input.rising.times_us, options.schedule, options.one_trigger_per_cycle);
+    if (!of_rising || of_rising->code == "triggers-extra") {  // bounces do not hide what the rising edges are
+      return finding("trigger-edge", "each pattern has a rising and a falling edge", "use the rising edges", "edge");
+    }
   }
   constexpr size_t kEnoughOfCycles = 3;
   if (times_us.size() < options.schedule.size()) {

@@ -115,6 +115,7 @@ TEST(CheckTriggers, CountsBouncesOfEachTrigger) {
   ASSERT_TRUE(extra);
   EXPECT_EQ(extra->code, "triggers-extra");
   EXPECT_EQ(extra->figures["extra"], inputs.at(0).rising.count / 3 * 2);
+  EXPECT_EQ(code_for(bouncing, {.edge = cycles::TriggerEdge::kBoth}), "trigger-edge");
 }
 
 TEST(CheckTriggers, AcceptsALineThatTogglesIfBothEdgesAreUsed) {

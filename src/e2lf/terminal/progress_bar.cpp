@@ -67,7 +67,7 @@ ProgressBar::~ProgressBar() {
 }
 
 bool is_line_due(size_t tenths, size_t last_tenths, double since_last_s) {
-  constexpr double kLeastS = 60;
+  constexpr double kLeastS = 20;
   return tenths > last_tenths && since_last_s >= kLeastS;
 }
 

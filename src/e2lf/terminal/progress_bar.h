@@ -10,7 +10,7 @@ namespace e2lf {
 
 /// Draws one line on stderr, at most ten times a second: a bar with the percentage and the remaining time, or, if the
 /// total is unknown (0), the number of parts done. The destructor removes the line. Only one bar is drawn at a time. If
-/// stderr is not a terminal, each tenth of the total logs a line, but at most one a minute. With `quiet`, there is
+/// stderr is not a terminal, each tenth of the total logs a line, but at most one in 20 s. With `quiet`, there is
 /// none.
 class ProgressBar {
  public:
@@ -40,7 +40,7 @@ class ProgressBar {
 /// Removes the current line until the next update, so that another message can be written to stderr.
 void hide_progress();
 
-/// Returns true if a log is due a line: a minute after the last one, or after the beginning, in a later tenth of the
+/// Returns true if a log is due a line: 20 s after the last one, or after the beginning, in a later tenth of the
 /// total.
 [[nodiscard]] bool is_line_due(size_t tenths, size_t last_tenths, double since_last_s);
 

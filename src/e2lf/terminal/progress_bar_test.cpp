@@ -39,11 +39,11 @@ TEST(ProgressBar, IsSilentWhenQuietOrNotATerminal) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(ProgressBar, LogsALineOfATenthAtMostOnceAMinute) {
+TEST(ProgressBar, LogsALineOfATenthAtMostEvery20Seconds) {
   EXPECT_FALSE(is_line_due(0, 0, 1e6)) << "nothing is new";
-  EXPECT_FALSE(is_line_due(3, 2, 59));
-  EXPECT_TRUE(is_line_due(3, 2, 60));
-  EXPECT_TRUE(is_line_due(9, 2, 60));
+  EXPECT_FALSE(is_line_due(3, 2, 19));
+  EXPECT_TRUE(is_line_due(3, 2, 20));
+  EXPECT_TRUE(is_line_due(9, 2, 20));
 }
 
 }  // namespace
