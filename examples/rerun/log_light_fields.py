@@ -1,8 +1,10 @@
-"""Logs the events, views, disparity and points of each cycle of a recording to the viewer of rerun (`pip install rerun-sdk`).
+"""Logs the events, views, disparity and points of each cycle of a recording to the viewer of rerun (`pip install rerun-sdk`, 0.23
+or newer).
 
 python3 log_light_fields.py RECORDING [FOCAL_PX]
 
-It was not run: rerun could not be installed where it was written. points_of() is tested.
+It was not run with rerun, which could not be installed where it was written. A test runs it with a substitute that keeps what is
+logged.
 """
 import sys
 from typing import Any, Tuple
@@ -33,7 +35,7 @@ def main() -> None:
     rr.init("e2lf", spawn=True)
     reconstructor = e2lf.Reconstructor("e2lf-n4")
     for cycle in e2lf.accumulate(path):
-        rr.set_time_seconds("sensor", cycle.begin_us * 1e-6)
+        rr.set_time("sensor", duration=cycle.begin_us * 1e-6)
         for number, counts in enumerate(cycle.images):
             rr.log(f"events/transition_{number}", rr.Image(np.clip(128 + 32 * counts.astype(int), 0, 255).astype(np.uint8)))
         light_field = reconstructor.reconstruct(cycle.images)

@@ -5,6 +5,7 @@ import sys
 import unittest
 from pathlib import Path
 from types import SimpleNamespace
+from unittest import mock
 
 import numpy as np
 
@@ -13,8 +14,8 @@ from common import InFolder, make_recording, same
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 sys.path[:0] = [str(EXAMPLES / "ros2"), str(EXAMPLES / "rerun")]
+import log_light_fields  # noqa: E402
 from conversions import RawStream, camera_info_fields, central_view, events_of_mono, image_fields, stamp_ns  # noqa: E402
-from log_light_fields import points_of  # noqa: E402
 
 STAMP = SimpleNamespace(sec=1700000000, nanosec=250_000_000)
 
@@ -91,9 +92,28 @@ class Ros2Test(InFolder):
 class RerunTest(InFolder):
     def test_points_lie_at_the_depth_of_their_disparity(self):
         disparity = np.array([[-2.0, 1.0], [-0.5, -1.0]])
-        points, colours = points_of(disparity, np.array([[1, 1], [1, 0.1]]), np.array([[1.0, 0], [0.5, 0]]), 100.0)
+        points, colours = log_light_fields.points_of(disparity, np.array([[1, 1], [1, 0.1]]), np.array([[1.0, 0], [0.5, 0]]), 100.0)
         self.assertTrue(np.allclose(points, [[-0.25, -0.25, 50], [-1, 1, 200]]))
         self.assertEqual(colours.tolist(), [[255] * 3, [128] * 3])
+
+    def test_each_cycle_is_logged_at_its_time(self):
+        images = make_recording("a.raw")
+        times, logged = [], {}
+        rerun = SimpleNamespace(
+            init=lambda name, spawn: None, set_time=lambda timeline, duration: times.append(duration),
+            log=lambda path, value: logged.setdefault(path, []).append(value),
+            Image=np.asarray, DepthImage=lambda depth, meter: depth, Points3D=lambda points, colors: (points, colors))
+        with mock.patch.dict(sys.modules, rerun=rerun), mock.patch.object(sys, "argv", ["log_light_fields.py", "a.raw"]):
+            log_light_fields.main()
+        cycles = list(e2lf.accumulate("a.raw"))
+        self.assertEqual(times, [cycle.begin_us * 1e-6 for cycle in cycles])
+        self.assertEqual({len(values) for values in logged.values()}, {len(images)})
+        shape = cycles[0].images.shape[1:]
+        self.assertTrue(all((value.dtype, value.shape) == (np.uint8, shape)
+                            for path, values in logged.items() if path.startswith(("events", "views")) for value in values))
+        self.assertTrue((logged["events/transition_0"][0] == np.clip(128 + 32 * cycles[0].images[0].astype(int), 0, 255)).all())
+        self.assertGreaterEqual(logged["disparity"][0].min(), 0)
+        self.assertEqual(logged["points"][0][0].shape, logged["points"][0][1].shape)
 
 
 if __name__ == "__main__":
