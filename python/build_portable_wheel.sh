@@ -63,6 +63,12 @@ echo "the module links:" $needed
 others=$(grep -vE '^(libc|libm|libstdc\+\+|libgcc_s|ld-linux-x86-64|ld-linux-aarch64)\.so' <<<"$needed" || true)
 [ -z "$others" ] || { echo "build_portable_wheel.sh: the module links libraries that other distributions may lack:" $others >&2; exit 1; }
 glibc=$(objdump -T "$module" | grep -o 'GLIBC_[0-9.]*' | sort -uV | tail -n 1)
-"$(sed -n 's/^_\?Python_EXECUTABLE:[^=]*=//p' "$tree/CMakeCache.txt" | head -n 1)" -m pip wheel . --quiet --no-deps --no-index --wheel-dir "$folder" \
-  --config-settings build-dir="$tree" --config-settings licences="$work/licences" \
-  --config-settings platform="manylinux_${glibc#GLIBC_}_$(uname -m)"
+# What packs the wheel is called as pip calls it, which Debian's python3 alone does not have.
+python=$(sed -n 's/^_\?Python_EXECUTABLE:[^=]*=//p' "$tree/CMakeCache.txt" | head -n 1)
+mkdir -p "$folder"
+PYTHONPATH=python "$python" - "$folder" "$tree" "$work/licences" "manylinux_${glibc#GLIBC_}_$(uname -m)" <<'PY'
+import sys
+import build_wheel
+folder, tree, licences, platform = sys.argv[1:]
+print(build_wheel.build_wheel(folder, {"build-dir": tree, "licences": licences, "platform": platform}))
+PY
