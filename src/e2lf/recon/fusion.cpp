@@ -28,6 +28,9 @@ struct Window {
 constexpr Window kWindows[] = {{1, 5, 5}, {2, 4, 3.5}};
 constexpr size_t kNear = 2;      // cells
 constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
+/// The variance that noise makes follows the means, which change less and less: that of each cell is computed with its
+/// first cycles, and then with one of this number.
+constexpr size_t kNoisePeriod = 4;
 
 /// Returns what a chi-squared variable with `freedom` degrees of freedom, divided by them, exceeds as rarely as a
 /// normal one exceeds `deviations` standard deviations (Wilson and Hilferty 1931).
@@ -120,9 +123,13 @@ void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
   cells_y_ = cells_of(height);
   cells_x_ = cells_of(width);
   const size_t cells = cells_y_ * cells_x_;
+  cycle_ = 0;
+  means_.resize(count, height, width);
   fused_.counts.resize(count, height, width);
   fused_.cycles.resize(1, height, width);
   added_.assign(cells, 0);
+  unsettled_.assign(cells, 0);
+  noise_of_cycle_.resize(cells);
   of_blocks_.resize(cells);
   of_cells_.resize(cells);
   expected_.resize(cells);
@@ -131,7 +138,7 @@ void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
 }
 
 void CycleFusion::add(const PlanesView<const int16_t>& cycle) {
-  const std::array<size_t, 3> extents = {fused_.counts.count, fused_.counts.height, fused_.counts.width};
+  const std::array<size_t, 3> extents = {means_.count, means_.height, means_.width};
   const bool is_first = cycle.extents != extents;
   if (is_first) {
     restart(cycle);
@@ -142,6 +149,7 @@ void CycleFusion::add(const PlanesView<const int16_t>& cycle) {
   update(cycle);
   if (!is_first) is_near_change_ = dilated(is_changed_, cells_y_, cells_x_, kNear);
   std::ranges::fill(is_changed_, uint8_t{0});
+  ++cycle_;
 }
 
 void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
@@ -151,27 +159,20 @@ void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
 }
 
 void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
-  const size_t width = fused_.counts.width, first = cell_y * kCell;
-  const size_t rows = std::min(kCell, fused_.counts.height - first), padded = cells_x_ * kCell;
-  const size_t begin = cell_y * cells_x_;
+  const size_t width = means_.width, first = cell_y * kCell;
+  const size_t rows = std::min(kCell, means_.height - first), begin = cell_y * cells_x_;
   std::fill_n(of_blocks_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
   std::fill_n(of_cells_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
-  std::fill_n(expected_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
   std::vector<int16_t> scratch;
-  std::vector<CountNoise::PixelLevel> states(cells_x_);
   std::vector<float> sums(cells_x_);
-  std::vector<int> residual(padded), mean(padded);  // sums over rows, which are 0 beside the image
-  for (size_t k = 0; k < fused_.counts.count; ++k) {
-    std::ranges::fill(mean, 0);
+  std::vector<int> residual(cells_x_ * kCell);  // sums over rows, which are 0 beside the image
+  for (size_t k = 0; k < means_.count; ++k) {
     std::ranges::fill(sums, 0.0F);
     for (size_t y = first; y < first + rows; ++y) {
       const auto counts = cycle[k][y].values(scratch);
-      const int16_t* const means = fused_.counts.image(k).data() + y * width;
+      const int16_t* const means = means_.image(k).data() + y * width;
       if ((y - first) % kBlock == 0) std::ranges::fill(residual, 0);
-      for (size_t x = 0; x < width; ++x) {
-        residual[x] += units_of(counts[x]) - means[x];
-        mean[x] += means[x];
-      }
+      for (size_t x = 0; x < width; ++x) residual[x] += units_of(counts[x]) - means[x];
       if ((y - first) % kBlock + 1 < kBlock && y + 1 < first + rows) continue;
       for (size_t x = 0; x < cells_x_; ++x) {
         const int* const columns = residual.data() + x * kCell;
@@ -181,23 +182,37 @@ void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cel
         sums[x] += left + right;
       }
     }
-    for (size_t x = 0; x < cells_x_; ++x) {
-      const int* const columns = mean.data() + x * kCell;
-      const size_t pixels = rows * std::min(kCell, width - x * kCell);
-      const auto sum = static_cast<float>(columns[0] + columns[1] + columns[2] + columns[3]);
-      const float count = sum / static_cast<float>(pixels * kUnits);
-      expected_[begin + x] += static_cast<float>(pixels) * noise_.next(count, states[x]);
-      of_cells_[begin + x] += sums[x] * sums[x];
-    }
+    for (size_t x = 0; x < cells_x_; ++x) of_cells_[begin + x] += sums[x] * sums[x];
   }
+  expect_noise(cell_y);
+}
+
+/// Sets what noise makes of the residuals of a row of cells.
+void CycleFusion::expect_noise(size_t cell_y) {
+  const size_t width = means_.width, first = cell_y * kCell, rows = std::min(kCell, means_.height - first);
   for (size_t x = 0; x < cells_x_; ++x) {
+    const size_t cell = cell_y * cells_x_ + x, left = x * kCell, columns = std::min(kCell, width - left);
+    if (added_[cell] < kNoisePeriod || (cycle_ + x) % kNoisePeriod == 0) {
+      const size_t pixels = rows * columns;
+      CountNoise::PixelLevel level;
+      noise_of_cycle_[cell] = 0;
+      for (size_t k = 0; k < means_.count; ++k) {
+        int sum = 0;
+        for (size_t y = first; y < first + rows; ++y) {
+          const int16_t* const means = means_.image(k).data() + y * width + left;
+          for (size_t column = 0; column < columns; ++column) sum += means[column];
+        }
+        const float count = static_cast<float>(sum) / static_cast<float>(pixels * kUnits);
+        noise_of_cycle_[cell] += static_cast<float>(pixels) * noise_.next(count, level);
+      }
+    }
     constexpr auto kSquaredUnits = static_cast<float>(kUnits * kUnits);
-    expected_[begin + x] *= kSquaredUnits * (1 + 1 / effective_[added_[begin + x]]);
+    expected_[cell] = noise_of_cycle_[cell] * kSquaredUnits * (1 + 1 / effective_[added_[cell]]);
   }
 }
 
 void CycleFusion::find_changes() {
-  const size_t transitions = fused_.counts.count;
+  const size_t transitions = means_.count;
   constexpr size_t kBlocks = kCell * kCell / kBlock / kBlock;  // of a cell
   for (const Window& window : kWindows) {
     const auto sum = [&](const std::vector<float>& plane) {
@@ -225,28 +240,44 @@ void CycleFusion::update(const PlanesView<const int16_t>& cycle) {
   changed_ = static_cast<double>(restarted) / static_cast<double>(is_changed_.size());
 }
 
+/// Adds a cycle to a cell, which starts again if it has changed.
+void CycleFusion::count_cycle(size_t cell) {
+  if (is_changed_[cell] != 0) {
+    unsettled_[cell] = added_[cell] > 0 ? kUnsettledCycles : 0;  // the first cycle is no change
+    added_[cell] = 0;
+  } else if (unsettled_[cell] > 0) {
+    --unsettled_[cell];
+  }
+  added_[cell] = static_cast<uint16_t>(std::min<size_t>(added_[cell] + 1U, effective_.size() - 1));
+}
+
 void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
-  const size_t width = fused_.counts.width, first = cell_y * kCell;
-  uint16_t* const added = added_.data() + cell_y * cells_x_;
+  const size_t width = means_.width, first = cell_y * kCell;
   std::vector<int> weights(cells_x_ * kCell);
   std::vector<float> numbers(cells_x_ * kCell);
+  std::vector<uint8_t> is_alone(cells_x_ * kCell);
   for (size_t x = 0; x < cells_x_; ++x) {
-    if (is_changed_[cell_y * cells_x_ + x] != 0) added[x] = 0;
-    added[x] = static_cast<uint16_t>(std::min<size_t>(added[x] + 1U, effective_.size() - 1));
+    const size_t cell = cell_y * cells_x_ + x;
+    count_cycle(cell);
+    const bool is_settled = unsettled_[cell] == 0;
     const auto at = static_cast<ptrdiff_t>(x * kCell);
     std::fill_n(weights.begin() + at, kCell,
-                (1 << kWeightBits) / static_cast<int>(std::min<size_t>(added[x], most_cycles_)));
-    std::fill_n(numbers.begin() + at, kCell, effective_[added[x]]);
+                (1 << kWeightBits) / static_cast<int>(std::min<size_t>(added_[cell], most_cycles_)));
+    std::fill_n(numbers.begin() + at, kCell, is_settled ? effective_[added_[cell]] : 1.0F);
+    std::fill_n(is_alone.begin() + at, kCell, is_settled ? 0 : 1);
   }
   std::vector<int16_t> scratch;
-  for (size_t y = first; y < std::min(fused_.counts.height, first + kCell); ++y) {
+  for (size_t y = first; y < std::min(means_.height, first + kCell); ++y) {
     std::copy_n(numbers.begin(), width, fused_.cycles.values.begin() + static_cast<ptrdiff_t>(y * width));
-    for (size_t k = 0; k < fused_.counts.count; ++k) {
+    for (size_t k = 0; k < means_.count; ++k) {
       const auto counts = cycle[k][y].values(scratch);
-      int16_t* const means = fused_.counts.image(k).data() + y * width;
+      int16_t* const means = means_.image(k).data() + y * width;
+      int16_t* const shown = fused_.counts.image(k).data() + y * width;
       for (size_t x = 0; x < width; ++x) {
-        const int step = (units_of(counts[x]) - means[x]) * weights[x] + (1 << (kWeightBits - 1));
+        const int newest = units_of(counts[x]);
+        const int step = (newest - means[x]) * weights[x] + (1 << (kWeightBits - 1));
         means[x] = static_cast<int16_t>(means[x] + (step >> kWeightBits));
+        shown[x] = is_alone[x] != 0 ? static_cast<int16_t>(newest) : means[x];
       }
     }
   }

@@ -18,6 +18,9 @@ inline constexpr double kFalseAlarmRate = 0.05;
 /// The largest number of cycles in a mean.
 inline constexpr size_t kMostFusedCycles = 64;
 
+/// The number of cycles after a change for which the newest cycle alone is shown.
+inline constexpr uint8_t kUnsettledCycles = 4;
+
 /// Fuses the cycles of a scene of which parts move: each pixel holds the mean of the cycles since the scene last
 /// changed there.
 ///
@@ -26,6 +29,9 @@ inline constexpr size_t kMostFusedCycles = 64;
 /// px, the sums of their squares over all transitions are compared with those that the noise of the sensor makes
 /// (CountNoise). Where one of them is larger, by more than chance allows, the cells around the middle of the window
 /// start again with the new cycle. Near what changed with the last cycle, a smaller difference suffices.
+///
+/// What moves slowly may change by too little from one cycle to the next to be told from noise. A cell that started
+/// again therefore shows the newest cycle alone until kUnsettledCycles more have passed without another change.
 class CycleFusion {
  public:
   /// Prepares the fusion of event images, [transition, y, x], of lit transitions or of a whole cycle, from a camera
@@ -36,8 +42,9 @@ class CycleFusion {
   /// Adds the event images of the next cycle. Another size than before starts everything again.
   void add(const PlanesView<const int16_t>& cycle);
 
-  /// Returns the means, which saturate at 16 bits, and the effective number of cycles: the variance of the noise of one
-  /// cycle divided by that of the mean. Exponential means reach 2 most_cycles - 1.
+  /// Returns the means, or the newest cycle where they are not settled, in 16 bits at which they saturate, and the
+  /// effective number of cycles: the variance of the noise of one cycle divided by that of the mean. Exponential means
+  /// reach 2 most_cycles - 1.
   [[nodiscard]] const capture::FusedCycles& fused() const { return fused_; }
   [[nodiscard]] size_t most_cycles() const { return most_cycles_; }
   /// Returns the share of the pixels that started again with the last cycle; 1 for the first one.
@@ -47,17 +54,24 @@ class CycleFusion {
   void restart(const PlanesView<const int16_t>& cycle);
   void compare(const PlanesView<const int16_t>& cycle);
   void compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
+  void expect_noise(size_t cell_y);
   void find_changes();
   void update(const PlanesView<const int16_t>& cycle);
   void update_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
+  void count_cycle(size_t cell);
 
   size_t most_cycles_;
   CountNoise noise_;
   std::vector<float> effective_;  ///< number of cycles, by the number of cycles added
+  capture::EventImages means_;    ///< in capture::kFusedUnits, also where they are not settled
   capture::FusedCycles fused_;
+  size_t cycle_ = 0;  ///< number of cycles since everything started
   size_t cells_y_ = 0, cells_x_ = 0;
   // Of each cell, [cell_y, cell_x].
-  std::vector<uint16_t> added_;  ///< number of cycles since the last change, up to a limit
+  std::vector<uint16_t> added_;     ///< number of cycles since the last change, up to a limit
+  std::vector<uint8_t> unsettled_;  ///< number of cycles for which the newest one is still shown alone
+  /// Variance of the sum of its counts in one cycle, summed over the transitions.
+  std::vector<float> noise_of_cycle_;
   /// Sums of the squares of the residuals of its blocks, and of the cell, over the transitions, and what noise makes of
   /// either, in squared capture::kFusedUnits.
   std::vector<float> of_blocks_, of_cells_, expected_;
