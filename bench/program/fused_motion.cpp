@@ -10,7 +10,6 @@
 #include "bench/program/parts.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/eval/metrics.h"
 #include "e2lf/recon/fusion.h"
 #include "e2lf/recon/scene_motion.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -75,29 +74,38 @@ Result<std::array<LightField, kInputs.size()>> reconstruct_each(const std::vecto
   return fields;
 }
 
-/// Returns the PSNR of kParts against the view of the scene that is nearest to what moves, after a fit of the
-/// brightness. Without a part that moves alone, the first one is the only one.
+/// Returns the PSNR of the pixels of a part, those of which `moves` is `part`, or all for 0, after a fit of their
+/// brightness.
+double psnr_of_part(const LightField& truth, const LightField& field, const std::vector<uint8_t>& moves, size_t part) {
+  const auto [width, height] = std::pair(truth.shape().width, truth.shape().height);
+  const auto for_each = [&](const auto& see) {
+    for (size_t view = 0; view < truth.shape().num_views(); ++view) {
+      for (size_t y = kBorderPx; y + kBorderPx < height; ++y) {
+        for (size_t x = kBorderPx; x + kBorderPx < width; ++x) {
+          const size_t pixel = y * width + x, i = view * truth.shape().view_size() + pixel;
+          if (part == 0 || (moves[pixel] != 0) == (part == 2)) see(truth.data()[i], field.data()[i]);
+        }
+      }
+    }
+  };
+  double products = 0, squares = 0, errors = 0, count = 0;
+  for_each([&](double true_value, double value) { products += true_value * value, squares += value * value, ++count; });
+  const double gain = squares > 0 ? products / squares : 1;
+  for_each([&](double true_value, double value) {
+    const double error = std::clamp(gain * value, 0.0, 1.0) - true_value;
+    errors += error * error;
+  });
+  return -10 * std::log10(errors / count);
+}
+
+/// Returns the PSNR of kParts against the view of the scene that is nearest to what moves. Without a part that moves
+/// alone, the first one is the only one.
 std::vector<double> psnr_of_parts(const LightField& field, const Shot& shot) {
   const size_t parts = shot.moves.empty() ? 1 : kParts.size();
   std::vector<double> best(parts, 0.0);
   for (const LightField& truth : shot.truths) {
-    const float gain = eval::best_gain(truth, field);
-    std::array<double, kParts.size()> squares = {}, counts = {};
-    for (size_t view = 0; view < truth.shape().num_views(); ++view) {
-      for (size_t y = kBorderPx; y + kBorderPx < truth.shape().height; ++y) {
-        for (size_t x = kBorderPx; x + kBorderPx < truth.shape().width; ++x) {
-          const size_t pixel = y * truth.shape().width + x, i = view * truth.shape().view_size() + pixel;
-          const double error = std::clamp(field.data()[i] * gain, 0.0F, 1.0F) - truth.data()[i];
-          const size_t part = parts == 1 || shot.moves[pixel] == 0 ? 1 : 2;
-          for (const size_t own : {size_t{0}, part}) {
-            squares[own] += error * error;
-            ++counts[own];
-          }
-        }
-      }
-    }
     std::vector<double> psnr_db;
-    for (size_t part = 0; part < parts; ++part) psnr_db.push_back(-10 * std::log10(squares[part] / counts[part]));
+    for (size_t part = 0; part < parts; ++part) psnr_db.push_back(psnr_of_part(truth, field, shot.moves, part));
     if (psnr_db.back() > best.back()) best = psnr_db;
   }
   return best;
@@ -136,14 +144,15 @@ Result<Json> measure_fused_motion(const std::vector<LightField>& scenes, const c
 }
 
 report::Table fused_motion_table(const Json& rows) {
-  report::Table table{
-      cat("The last of ", kFusedMotionCycles, " cycles, from their lit transitions; means over the scenes."),
-      {{"motion"},
-       {"part"},
-       {"one cycle", true, true, "one_psnr_db"},
-       {"fused", true, true, "fused_psnr_db"},
-       {"mean of all", true, true, "mean_psnr_db"}},
-      {}};
+  report::Table table{cat("The last of ", kFusedMotionCycles,
+                          " cycles, from their lit transitions, after a fit of the brightness of each part; "
+                          "means over the scenes."),
+                      {{"motion"},
+                       {"part"},
+                       {"one cycle", true, true, "one_psnr_db"},
+                       {"fused", true, true, "fused_psnr_db"},
+                       {"mean of all", true, true, "mean_psnr_db"}},
+                      {}};
   for (const Json& row : rows) {
     table.rows.push_back(
         {report::text_cell(row["motion"].get<std::string>()), report::text_cell(row["part"].get<std::string>())});
