@@ -268,6 +268,16 @@ class Adapter {
   size_t transitions_ = 0, lit_ = 0;
 };
 
+/// Gives plane-sweep the places of the pictures, which it reads at the resolution of `step` pixels.
+void place_pictures(const Aperture& aperture, size_t step, model::Layer& sweep) {
+  std::vector<double>& offsets = sweep.attributes["offsets"];
+  offsets.clear();
+  for (const AperturePicture& picture : aperture.pictures) {
+    offsets.push_back(picture.offset_y / static_cast<double>(step));
+    offsets.push_back(picture.offset_x / static_cast<double>(step));
+  }
+}
+
 /// Gives the layers the sizes of these patterns, and plane-sweep the places of the pictures.
 void adapt_layers(const Aperture& aperture, const Sizes& sizes, size_t num_inputs, model::Network& network) {
   network.input_channels = num_inputs;
@@ -276,15 +286,27 @@ void adapt_layers(const Aperture& aperture, const Sizes& sizes, size_t num_input
       if (layer.name == prefix + "pictures") layer.out_channels = aperture.pictures.size();
       if (layer.name == prefix + "features") layer.out_channels = aperture.pictures.size() * sizes.features;
       if (layer.name == cat(kHalf, "input")) layer.out_channels = num_inputs;
-      if (layer.name != prefix + "sweep") continue;
-      std::vector<double>& offsets = layer.attributes["offsets"];
-      offsets.clear();
-      for (const AperturePicture& picture : aperture.pictures) {
-        const auto step = static_cast<double>(layer_named(network, "pictures")->stride);
-        offsets.insert(offsets.end(), {picture.offset_y / step, picture.offset_x / step});
-      }
+      if (layer.name == prefix + "sweep") place_pictures(aperture, layer_named(network, "pictures")->stride, layer);
     }
   }
+}
+
+/// Returns a network of disparity for fixed patterns whose plane-sweep compares the pictures at the places of others.
+Result<model::Model> at_places_of(const capture::Codes& codes, model::Model disparity) {
+  E2LF_ASSIGN_OR_RETURN(const Aperture aperture, describe_aperture(codes));
+  const model::Layer* const pictures = layer_named(disparity.network, "pictures");
+  bool fits = pictures && disparity.num_patterns == codes.num_patterns;
+  for (model::Layer& layer : disparity.network.layers) {
+    if (!fits || layer.op != "plane-sweep") continue;
+    fits = layer.attributes["offsets"].size() == 2 * aperture.pictures.size();
+    if (fits) place_pictures(aperture, pictures->stride, layer);
+  }
+  if (!fits) {
+    return fail(ErrorCode::kShape, disparity.name,
+                "it compares another number of pictures than these patterns show; use another model");
+  }
+  disparity.codes = codes;
+  return disparity;
 }
 
 bool has_inputs_of_any_patterns(const model::Model& model) {
@@ -302,7 +324,9 @@ Result<model::Model> guided_for_patterns(const model::Model& views, const captur
   if (views.codes.value_or(codes) != codes || views.num_patterns != codes.num_patterns) {
     return fail(ErrorCode::kInvalidValue, views.name, "its views were trained for other patterns; use another model");
   }
-  E2LF_ASSIGN_OR_RETURN(model::Model disparity, for_patterns(views.open_guide->disparity, codes));
+  const model::Model& guide = views.open_guide->disparity;
+  E2LF_ASSIGN_OR_RETURN(model::Model disparity,
+                        model::is_for_any_patterns(guide) ? for_patterns(guide, codes) : at_places_of(codes, guide));
   model::Model followers = views;
   followers.open_guide = nullptr;
   followers.codes = codes;

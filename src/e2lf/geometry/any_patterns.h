@@ -9,7 +9,8 @@ namespace e2lf::geometry {
 /// result is an ordinary network for their event images. The first layers of such a network read the central picture
 /// and its derivatives, which are linear in the pictures behind the patterns, and features of each picture, which all
 /// pictures make in the same way; both are built into its weights, and the offsets of plane-sweep are the centroids of
-/// the patterns. Views that follow such a network (Model::open_guide) are composed with the adapted one. Fails with
+/// the patterns. Views that follow such a network (Model::open_guide) are composed with the adapted one; if they follow
+/// one for fixed patterns, only its offsets become those of these patterns, which must be similar. Fails with
 /// kInvalidValue if these views were trained for other patterns, with kUnsupported for other networks, with kShape if
 /// its weights do not fit together, and as describe_aperture() does.
 [[nodiscard]] Result<model::Model> for_patterns(const model::Model& model, const capture::Codes& codes);

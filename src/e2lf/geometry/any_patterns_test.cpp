@@ -94,6 +94,35 @@ TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
   EXPECT_EQ(for_patterns(views, others).error().code, ErrorCode::kInvalidValue);
 }
 
+TEST(AnyPatterns, MoveThePicturesThatANetworkForOthersCompares) {
+  model::Model views;
+  views.name = "views";
+  views.num_patterns = 4;
+  views.input = {{model::InputKind::kCounts, 0.125F}};
+  views.network = {3, {conv("views", "input", 64, 1, false)}};
+  for (const auto& weights : model::weight_shapes(views.network)) {
+    views.weights[weights.name] = numbered(weights.name, weights.shape);
+  }
+  model::Model fixed = for_patterns(small_model(), three_boxes()).value();
+  fixed.any_patterns.clear();
+  views.open_guide = std::make_shared<const model::OpenGuide>(model::OpenGuide{{}, fixed});
+  Codes corners(4, 8, 8);  // single cells
+  corners.pattern(1)[0] = corners.pattern(2)[7] = corners.pattern(3)[63] = 1.0F;
+  const auto moved = for_patterns(views, corners);
+  ASSERT_TRUE(moved) << moved.error().text();
+  const auto sweep = std::ranges::find(moved->network.layers, "guide_sweep", &model::Layer::name);
+  ASSERT_NE(sweep, moved->network.layers.end());
+  std::vector<double> offsets = {-4, -4, -4, 3, 3, 3};  // from view (4, 4)
+  const auto stride = std::ranges::find(fixed.network.layers, "pictures", &model::Layer::name)->stride;
+  for (double& offset : offsets) offset /= static_cast<double>(stride);
+  EXPECT_EQ(sweep->attributes.at("offsets"), offsets);
+  Codes more(5, 8, 8);
+  for (size_t p = 1; p < 5; ++p) more.pattern(p)[9 * p] = 1.0F;
+  views.num_patterns = 5;
+  views.network.input_channels = 4;
+  EXPECT_EQ(for_patterns(views, more).error().code, ErrorCode::kShape);
+}
+
 TEST(AnyPatterns, AreRefusedByNetworksForTheirOwnPatterns) {
   model::Model model = small_model();
   model.any_patterns.clear();

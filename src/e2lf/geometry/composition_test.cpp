@@ -184,12 +184,17 @@ TEST(ComposedFile, IsComposedOfThePartsBesideIt) {
   EXPECT_TRUE(alone->parts.empty());
 }
 
-TEST(ComposedFile, WaitsForPatternsIfTheNetworkOfDisparityIsForAny) {
+TEST(ComposedFile, WaitsForPatternsIfItsViewsStateNone) {
   const TestFolder folder;
   Model views = equal_views(), disparity = known_disparity(0.5F);
   views.codes.reset();
-  disparity.any_patterns["stem.bias"] = {{1}, {0.0F}};
   ASSERT_TRUE(write_model(folder / "views.safetensors", views));
+  ASSERT_TRUE(write_model(folder / "disparity.safetensors", disparity));
+  write_composed(folder, "both", {{"views", "views"}, {"disparity", "disparity"}});
+  const auto fixed = model::read_model(folder / "both.safetensors");
+  ASSERT_TRUE(fixed) << fixed.error().text();
+  EXPECT_TRUE(fixed->open_guide && !fixed->codes);
+  disparity.any_patterns["stem.bias"] = {{1}, {0.0F}};
   ASSERT_TRUE(write_model(folder / "disparity.safetensors", disparity));
   write_composed(folder, "both", {{"views", "views"}, {"disparity", "disparity"}, {"weak_texture", 0.02}});
   const auto read = model::read_model(folder / "both.safetensors");

@@ -55,8 +55,9 @@ struct CentralInput {
 /// central view.
 [[nodiscard]] Layer warp_to_centre(std::vector<double> offsets);
 
-/// A guide by a network for any patterns, which waits for those of the events. Model::open_guide refers to it in models
-/// whose other members are those of the network of views.
+/// A guide by a network for any patterns, or by one for patterns similar to those of views whose file states none,
+/// which waits for the patterns of the events. Model::open_guide refers to it in models whose other members are those
+/// of the network of views.
 struct OpenGuide {
   Guide guide;
   Model disparity;

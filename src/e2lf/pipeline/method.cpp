@@ -121,6 +121,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
   E2LF_RETURN_IF_ERROR(check_output(choice.algorithm, model));
+  opened.are_views_of_unstated_patterns = !model.codes && !model::is_picture_network(model);
   E2LF_RETURN_IF_ERROR(adapt_to_patterns(choice, model));
   E2LF_RETURN_IF_ERROR(check_transitions(choice.transitions, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
@@ -199,7 +200,8 @@ capture::SensorProfile OpenedMethod::sensor() const {
 }
 
 bool OpenedMethod::are_patterns_the_models() const {
-  return network && are_patterns_stated(codes) && network->model().codes && *network->model().codes == codes->codes;
+  return network && !are_views_of_unstated_patterns && are_patterns_stated(codes) && network->model().codes &&
+         *network->model().codes == codes->codes;
 }
 
 capture::RecordedSetup OpenedMethod::known_setup() const {

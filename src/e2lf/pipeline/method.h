@@ -55,6 +55,7 @@ struct OpenedMethod {
   std::shared_ptr<const recon::Reconstructor> lit;  ///< bundled network of the lit transitions, for cycles with motion
   std::optional<std::filesystem::path> bundled;     ///< file of the bundled network that was chosen by default
   std::optional<KnownCodes> codes;                  ///< empty if no source, not even the model, states the patterns
+  bool are_views_of_unstated_patterns = false;      ///< the model does not state for which patterns it was trained
   std::optional<capture::SensorProfile> camera;     ///< profile of the sensor of the events; empty = unknown
   StatedBy camera_stated_by = StatedBy::kNone;
   std::optional<capture::Orientation> views;  ///< orientation of the views, as the profile or the events state it

@@ -28,7 +28,7 @@ std::optional<Finding> patterns_finding(const OpenedMethod& method) {
                    "look at the confidence of the result"};
   }
   if (!are_patterns_stated(method.codes)) return patterns_assumed(model.name);
-  if (model.codes) {
+  if (!method.are_views_of_unstated_patterns) {
     return Finding{"patterns-foreign", Severity::kWarning,
                    cat("the events were made with other patterns than ", model.name,
                        " was trained for, so that the result will be wrong"),
