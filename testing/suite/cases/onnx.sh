@@ -51,12 +51,12 @@ py -c 'import numpy as np; np.savez("events.npz", events=np.load("demo/events.np
 "$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o simulated.npz --quiet
 py -c 'import numpy as np; np.savez("eight.npz", events=np.load("simulated.npz")["events"])'
 py "$TESTSUITE/geometry_models.py" "$models/e2lf-n4.safetensors"
-"$E2LF" model store e2lf-any --codes e2lf-n4 -o adapted.safetensors --quiet
-for model in "$models"/*.safetensors layers.safetensors adapted.safetensors; do
+for model in any n4-capture-geometry; do "$E2LF" model store e2lf-$model --codes e2lf-n4 -o $model.safetensors --quiet; done
+for model in "$models"/*.safetensors layers.safetensors any.safetensors n4-capture-geometry.safetensors; do
   camera=()
   name=$(basename "$model" .safetensors)
   [[ $name != *-depth ]] || continue  # see below
-  [[ $name != e2lf-any ]] || continue  # takes no patterns as it is
+  [[ $name != e2lf-any && $name != e2lf-n4-capture-geometry ]] || continue  # take no patterns as they are
   events=events.npz
   [[ $name != e2lf-n8* ]] || events=eight.npz
   [[ $name != *cycle* ]] || continue  # of eight images, as that of e2lf-n8
