@@ -96,6 +96,14 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
   }
 }
 
+TEST(OpenMethod, DoesNotKnowWhetherThePatternsAreThoseOfViewsThatStateNone) {
+  const auto opened = open_method({.model = bundled("e2lf-n4-capture-geometry"), .codes = bundled("e2lf-n4").codes});
+  ASSERT_TRUE(opened) << opened.error().text();
+  EXPECT_EQ(opened->network->model().codes, bundled("e2lf-n4").codes);
+  EXPECT_FALSE(opened->are_patterns_the_models());
+  EXPECT_TRUE(diagnose::contains(method_findings(*opened, {}), "patterns-unstated"));
+}
+
 TEST(Catalogue, NamesTheConditionedNetworksForThePatternsAndTheOutput) {
   const capture::Codes cycle = *bundled("e2lf-n4-cycle").codes;
   const std::string of_lit = conditioned_network_remedy(*bundled("e2lf-n4").codes, false);
