@@ -160,8 +160,9 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
   const bool has_triggers_as_source = options.source == CycleSource::kTriggers;
   Findings findings;
   const auto add = [&](std::optional<Finding> finding) {
-    if (finding) findings.push_back(*std::move(finding));
-    return finding.has_value();
+    const bool is_found = finding.has_value();
+    if (is_found) findings.push_back(*std::move(finding));
+    return is_found;
   };
   auto of_triggers = has_triggers_as_source ? check_triggers(options) : std::nullopt;
   const bool has_light = !add(check_light());
