@@ -63,7 +63,8 @@ TEST(AnyPatterns, WholeCyclesTakeTransmissionsOfTheirLitPatternsOnly) {
                  1001.668579);
 }
 
-TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
+/// Returns a network of views that reads three event images and states no patterns.
+model::Model views_of_counts() {
   model::Model views;
   views.name = "views";
   views.num_patterns = 4;
@@ -72,6 +73,11 @@ TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
   for (const auto& weights : model::weight_shapes(views.network)) {
     views.weights[weights.name] = numbered(weights.name, weights.shape);
   }
+  return views;
+}
+
+TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
+  model::Model views = views_of_counts();
   views.open_guide = std::make_shared<const model::OpenGuide>(model::OpenGuide{{}, small_model()});
   EXPECT_EQ(model::validate(views, "views").error().code, ErrorCode::kUnsupported);
   Codes others = three_boxes();
@@ -95,14 +101,7 @@ TEST(AnyPatterns, GuideViewsAsSoonAsThePatternsAreKnown) {
 }
 
 TEST(AnyPatterns, MoveThePicturesThatANetworkForOthersCompares) {
-  model::Model views;
-  views.name = "views";
-  views.num_patterns = 4;
-  views.input = {{model::InputKind::kCounts, 0.125F}};
-  views.network = {3, {conv("views", "input", 64, 1, false)}};
-  for (const auto& weights : model::weight_shapes(views.network)) {
-    views.weights[weights.name] = numbered(weights.name, weights.shape);
-  }
+  model::Model views = views_of_counts();
   model::Model fixed = for_patterns(small_model(), three_boxes()).value();
   fixed.any_patterns.clear();
   views.open_guide = std::make_shared<const model::OpenGuide>(model::OpenGuide{{}, fixed});
