@@ -194,6 +194,11 @@ TEST(ComposedFile, WaitsForPatternsIfItsViewsStateNone) {
   const auto fixed = model::read_model(folder / "both.safetensors");
   ASSERT_TRUE(fixed) << fixed.error().text();
   EXPECT_TRUE(fixed->open_guide && !fixed->codes);
+  // Two networks for the same camera, whose patterns no file states, are composed at once.
+  disparity.codes.reset();
+  ASSERT_TRUE(write_model(folder / "disparity.safetensors", disparity));
+  EXPECT_FALSE(model::read_model(folder / "both.safetensors").value().open_guide);
+  disparity.codes = equal_views().codes;
   disparity.any_patterns["stem.bias"] = {{1}, {0.0F}};
   ASSERT_TRUE(write_model(folder / "disparity.safetensors", disparity));
   write_composed(folder, "both", {{"views", "views"}, {"disparity", "disparity"}, {"weak_texture", 0.02}});

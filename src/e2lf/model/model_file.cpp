@@ -246,7 +246,7 @@ Result<Model> compose(const Composition& of, const std::string& file) {
   E2LF_ASSIGN_OR_RETURN(Model views, read_part(of.views, of.location + ".views", std::nullopt));
   E2LF_ASSIGN_OR_RETURN(Model disparity,
                         read_part(of.disparity, of.location + ".disparity", of.guide.share_of_full_scale));
-  const bool is_open = !views.codes || (is_for_any_patterns(disparity) && views.codes != disparity.codes);
+  const bool is_open = views.codes != disparity.codes && (!views.codes || is_for_any_patterns(disparity));
   if (is_open && !is_depth_network(disparity)) {
     return fail(ErrorCode::kInvalidValue, of.location + ".disparity", disparity.name,
                 " gives views; name a network of disparity");
