@@ -19,11 +19,6 @@ Result<void> write_comparison_page(const std::filesystem::path& /*path*/, const 
   return no_viewer_error();
 }
 
-Result<live::LivePage> live::start_live_page(Session& /*session*/, FineMethod /*fine*/,
-                                             std::shared_ptr<recordings::RunningCamera> /*camera*/, uint16_t /*port*/) {
-  return no_viewer_error();
-}
-
 int run_view(const std::vector<std::string>& arguments) {
   Verb verb("view", "Show light fields, events, recordings and models in a browser. This build has no viewer.",
             "./run e2lf view out/demo/recon");
@@ -45,3 +40,14 @@ int run_codes_play(const std::vector<std::string>& arguments) {
 #endif
 
 }  // namespace e2lf::cli
+
+#ifdef E2LF_NO_VIEWER
+namespace e2lf::live {
+
+Result<LivePage> start_live_page(Session& /*session*/, FineMethod /*fine*/,
+                                 std::shared_ptr<recordings::RunningCamera> /*camera*/, uint16_t /*port*/) {
+  return cli::no_viewer_error();
+}
+
+}  // namespace e2lf::live
+#endif
