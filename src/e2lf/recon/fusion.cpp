@@ -2,6 +2,7 @@
 #include "e2lf/recon/fusion.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "e2lf/base/result.h"
@@ -28,9 +29,9 @@ struct Window {
 constexpr Window kWindows[] = {{1, 5, 5}, {2, 4, 3.5}};
 constexpr size_t kNear = 2;      // cells
 constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
-/// The variance that noise makes follows the means, which change less and less: that of each cell is computed with its
-/// first cycles, and then with one of this number.
-constexpr size_t kNoisePeriod = 4;
+/// The variance that noise makes follows the means, which change less and less: that of each cell is computed with the
+/// cycles 1, 2, 4, ... since its last change, and with one of this number.
+constexpr size_t kNoisePeriod = 16;
 
 /// Returns what a chi-squared variable with `freedom` degrees of freedom, divided by them, exceeds as rarely as a
 /// normal one exceeds `deviations` standard deviations (Wilson and Hilferty 1931).
@@ -74,21 +75,24 @@ std::vector<float> sum_windows(const std::vector<float>& plane, size_t height, s
   return sums;
 }
 
+void add_mask(const uint8_t* __restrict mask, size_t count, uint8_t* __restrict to) {
+  for (size_t x = 0; x < count; ++x) to[x] |= mask[x];
+}
+
 /// Returns what is set within `reach` cells.
 std::vector<uint8_t> dilated(const std::vector<uint8_t>& mask, size_t height, size_t width, size_t reach) {
   std::vector<uint8_t> across(mask.size()), result(mask.size());
   for (size_t y = 0; y < height; ++y) {
     const uint8_t* const from = mask.data() + y * width;
-    for (size_t step = 0; step <= reach; ++step) {
-      for (size_t x = step; x < width; ++x) {
-        across[y * width + x] |= from[x - step];
-        across[y * width + x - step] |= from[x];
-      }
+    uint8_t* const to = across.data() + y * width;
+    for (size_t step = 0; step <= std::min(reach, width - 1); ++step) {
+      add_mask(from, width - step, to + step);
+      add_mask(from + step, width - step, to);
     }
   }
   for (size_t y = 0; y < height; ++y) {
     for (size_t from = y < reach ? 0 : y - reach; from < std::min(height, y + reach + 1); ++from) {
-      for (size_t x = 0; x < width; ++x) result[y * width + x] |= across[from * width + x];
+      add_mask(across.data() + from * width, width, result.data() + y * width);
     }
   }
   return result;
@@ -192,7 +196,7 @@ void CycleFusion::expect_noise(size_t cell_y) {
   const size_t width = means_.width, first = cell_y * kCell, rows = std::min(kCell, means_.height - first);
   for (size_t x = 0; x < cells_x_; ++x) {
     const size_t cell = cell_y * cells_x_ + x, left = x * kCell, columns = std::min(kCell, width - left);
-    if (added_[cell] < kNoisePeriod || (cycle_ + x) % kNoisePeriod == 0) {
+    if (std::has_single_bit(added_[cell]) || (cycle_ + x) % kNoisePeriod == 0) {
       const size_t pixels = rows * columns;
       CountNoise::PixelLevel level;
       noise_of_cycle_[cell] = 0;
@@ -267,8 +271,10 @@ void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell
     std::fill_n(is_alone.begin() + at, kCell, is_settled ? 0 : 1);
   }
   std::vector<int16_t> scratch;
+  float* const shown_numbers = fused_.cycles.values.data() + first * width;
+  const bool has_other_numbers = !std::equal(shown_numbers, shown_numbers + width, numbers.begin());
   for (size_t y = first; y < std::min(means_.height, first + kCell); ++y) {
-    std::copy_n(numbers.begin(), width, fused_.cycles.values.begin() + static_cast<ptrdiff_t>(y * width));
+    if (has_other_numbers) std::copy_n(numbers.begin(), width, shown_numbers + (y - first) * width);
     for (size_t k = 0; k < means_.count; ++k) {
       const auto counts = cycle[k][y].values(scratch);
       int16_t* const means = means_.image(k).data() + y * width;
