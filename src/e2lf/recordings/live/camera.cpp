@@ -10,7 +10,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/open/registry.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf::recordings {
 namespace {
@@ -29,22 +29,7 @@ CameraName parse_name(const std::string& name) {
   return {rest.substr(0, slash), slash < rest.size() ? rest.substr(slash + 1) : ""};
 }
 
-/// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
-/// empty path for all other cameras.
-std::filesystem::path path_of_camera(const std::string& name) {
-  const CameraName parsed = parse_name(name);
-  if (parsed.plugin == "replay") return parsed.address.substr(0, replay_path_size(parsed.address));
-  return parsed.plugin == "pipe" ? parsed.address : "";
-}
-
 struct Registry {
-  Registry() {
-    const auto open = [](const std::string& name, const CameraSetup& setup) -> Result<SourcePtr> {
-      E2LF_ASSIGN_OR_RETURN(auto source, open_live_bytes(name, setup));
-      return SourcePtr(std::move(source));
-    };
-    set_live_inputs({is_camera_name, path_of_camera, open});
-  }
   std::mutex mutex;
   std::vector<CameraPlugin> plugins;
   std::vector<std::function<std::vector<CameraPlugin>()>> loaders;  ///< not called yet
@@ -332,6 +317,21 @@ class CameraSource final : public LiveSource {
 
 bool is_camera_name(const std::string& name) {
   return name.starts_with(kCameraScheme) || name.starts_with(kReplay) || name.starts_with(kTcp);
+}
+
+std::filesystem::path path_of_camera(const std::string& name) {
+  const CameraName parsed = parse_name(name);
+  if (parsed.plugin == "replay") return parsed.address.substr(0, replay_path_size(parsed.address));
+  return parsed.plugin == "pipe" ? parsed.address : "";
+}
+
+bool is_live_recording(const std::string& name) {
+  return name == "-" || is_camera_name(name) || is_stream(name);
+}
+
+bool has_cameras() {
+  const std::lock_guard<std::mutex> lock(registry().mutex);
+  return !registry().plugins.empty() || !registry().loaders.empty();
 }
 
 size_t replay_path_size(const std::string& address) {

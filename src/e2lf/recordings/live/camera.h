@@ -131,6 +131,16 @@ void add_camera_plugins(std::function<std::vector<CameraPlugin>()> load);
 /// abbreviate camera://replay/FILE and camera://tcp/ADDRESS:PORT).
 [[nodiscard]] bool is_camera_name(const std::string& name);
 
+/// Returns the path that the name of a camera contains: that of a replayed recording or of a named pipe. Returns an
+/// empty path for all other cameras.
+[[nodiscard]] std::filesystem::path path_of_camera(const std::string& name);
+
+/// Returns whether a name denotes a live source: "-", a camera, a named pipe or a device.
+[[nodiscard]] bool is_live_recording(const std::string& name);
+
+/// Returns whether the program has added a camera.
+[[nodiscard]] bool has_cameras();
+
 /// Returns the length of the path at the beginning of such an address.
 [[nodiscard]] size_t replay_path_size(const std::string& address);
 

@@ -38,7 +38,6 @@ std::deque<Codec> built_in_codecs() {
 struct Table {
   std::mutex mutex;
   std::deque<Codec> codecs = built_in_codecs();
-  LiveInputs live;
 };
 
 Table& codec_table() {
@@ -157,16 +156,6 @@ RecordingInfo info_for(const Codec& codec, RecordingInfo info) {
   return info;
 }
 
-LiveInputs live_inputs() {
-  const std::lock_guard<std::mutex> lock(codec_table().mutex);
-  return codec_table().live;
-}
-
-bool is_camera(const std::string& name) {
-  const LiveInputs live = live_inputs();
-  return live.is_name != nullptr && live.is_name(name);
-}
-
 bool is_our_trigger_file(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(path, error))) return false;
@@ -253,20 +242,11 @@ Result<WriterPtr> create_recording(SinkPtr sink, const std::string& format, cons
   return codec->create(std::move(sink), info_for(*codec, info));
 }
 
-void set_live_inputs(const LiveInputs& inputs) {
-  const std::lock_guard<std::mutex> lock(codec_table().mutex);
-  codec_table().live = inputs;
-}
-
-bool is_live_recording(const std::string& name) {
-  return name == "-" || is_camera(name) || is_stream(name);
-}
-
 fs::path file_of_recording(const std::string& name) {
   std::error_code error;
-  const fs::path path = name == "-"       ? fs::canonical("/proc/self/fd/0", error)
-                        : is_camera(name) ? live_inputs().file(name)
-                                          : fs::path(name);
+  const fs::path path = name == "-"            ? fs::canonical("/proc/self/fd/0", error)
+                        : is_camera_name(name) ? path_of_camera(name)
+                                               : fs::path(name);
   return fs::is_regular_file(path, error) || fs::is_directory(path, error) ? path : fs::path();
 }
 
@@ -274,10 +254,10 @@ Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOption
   struct stat input {};
   const bool is_pipe =
       name == "-" && ::fstat(STDIN_FILENO, &input) == 0 && (S_ISFIFO(input.st_mode) || S_ISSOCK(input.st_mode));
-  const LiveInputs live = live_inputs();
-  if (live.open != nullptr && (is_pipe || (name != "-" && is_live_recording(name)))) {
-    E2LF_ASSIGN_OR_RETURN(SourcePtr source, live.open(name, options.camera));
-    return open_recording(std::move(source), options);
+  const bool is_live = is_pipe || (name != "-" && is_live_recording(name));
+  if (is_live && (is_camera_name(name) || has_cameras())) {
+    E2LF_ASSIGN_OR_RETURN(auto source, open_live_bytes(name, options.camera));
+    return open_recording(SourcePtr(std::move(source)), options);
   }
   if (has_settings(options.camera)) {
     return fail(ErrorCode::kInvalidValue, name, "camera settings do not apply to a file; leave them out");

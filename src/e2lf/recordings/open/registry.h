@@ -8,6 +8,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/files/output.h"
+#include "e2lf/recordings/live/camera.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::recordings {
@@ -64,28 +65,13 @@ void add_codec(Codec codec);
 /// Returns the codec with this name. Fails with kInvalidValue, suggesting the nearest name.
 [[nodiscard]] Result<const Codec*> find_codec(const std::string& name);
 
-/// How inputs that are not files are opened; the first camera that a program adds (live/camera.h) sets this.
-struct LiveInputs {
-  bool (*is_name)(const std::string& name) = nullptr;  ///< whether a name is that of a camera
-  /// Returns the path of the file that a camera with such a name reads, or an empty path.
-  std::filesystem::path (*file)(const std::string& name) = nullptr;
-  /// Opens a camera, a named pipe, a device, or standard input ("-").
-  Result<SourcePtr> (*open)(const std::string& name, const CameraSetup& setup) = nullptr;
-};
-
-/// Sets how such inputs are opened. Before, pipes and standard input are read as files.
-void set_live_inputs(const LiveInputs& inputs);
-
-/// Returns whether a name denotes a live source: "-", a camera, a named pipe or a device.
-[[nodiscard]] bool is_live_recording(const std::string& name);
-
 /// Returns the path of the file or folder that is read if a name is opened: the recording of "replay:FILE?speed=2", or
 /// the file behind standard input. Returns an empty path if there is none (a camera, a pipe or a socket).
 [[nodiscard]] std::filesystem::path file_of_recording(const std::string& name);
 
-/// Opens a recording by name: a file or standard input ("-") with open_recording(), and as a LiveInputs the name of a
-/// camera (camera://NAME, replay:FILE, tcp://ADDRESS:PORT), a named pipe, or standard input that is a pipe or socket.
-/// Fails as open_recording() and open_live_bytes() do.
+/// Opens a recording by name: a file or standard input ("-") with open_recording(), and with open_live_bytes() the name
+/// of a camera (camera://NAME, replay:FILE, tcp://ADDRESS:PORT), a named pipe, or standard input that is a pipe or
+/// socket. In a program without cameras, pipes are read as files. Fails as these functions do.
 [[nodiscard]] Result<ReaderPtr> open_named_recording(const std::string& name, const OpenOptions& options = {});
 
 /// Returns the rules for an output that is made from these inputs, which are named as open_named_recording() takes
