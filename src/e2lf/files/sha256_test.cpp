@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/files/file.h"
-#include "e2lf/files/sha256_blocks.h"
 #include "testing/test_files.h"
 
 namespace e2lf {
