@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <exception>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/recordings/live/camera.h"
+
+namespace Metavision {
+class Device;
+}
 
 namespace e2lf::cameras {
 
@@ -46,5 +52,32 @@ using namespace recordings;
 /// Returns the reason why no camera could be opened, which the HAL does not report, and what to check. `address` is the
 /// requested camera, empty = any; `listed` contains the cameras that the HAL lists.
 [[nodiscard]] Error unopened_error(const std::string& address, const std::vector<std::string>& listed);
+
+// The parts of open_metavision_camera(), in builds that found the HAL.
+
+/// Returns the message of an exception of the HAL, which has several lines, in one.
+[[nodiscard]] std::string hal_text(const std::exception& error);
+
+/// Opens a camera by serial number or full name, or the first one, and selects its encoding. Fails with kNotFound, kIo
+/// (busy, or permission denied) and kUnsupported (it does not support the encoding, or none that can be read).
+[[nodiscard]] Result<std::unique_ptr<Metavision::Device>> open_device(const std::string& address,
+                                                                      const std::string& encoding);
+
+/// Applies the settings to a camera that has not started. Exceptions of the HAL propagate. Fails with kUnsupported (the
+/// camera lacks a requested feature), kInvalidValue (it refuses a value) and kNotFound (the file of biases is missing).
+[[nodiscard]] Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup);
+
+/// Returns the header of a RAW recording: the properties of the sensor, and the settings as read back from the camera:
+/// trigger_channels, biases, max_events_per_s, regions, anti_flicker, event_trail_filter.
+[[nodiscard]] std::string device_header(Metavision::Device& device);
+
+/// Returns the biases, the limit of the event rate and the regions that the camera has; see Camera::controls().
+[[nodiscard]] std::vector<CameraControl> device_controls(Metavision::Device& device);
+
+/// Changes one of them. Exceptions of the HAL propagate. Fails as Camera::change() does.
+[[nodiscard]] Result<void> change_device(Metavision::Device& device, const std::string& name, const std::string& value);
+
+/// Returns the text of a .bias file, or an empty string for a camera without biases.
+[[nodiscard]] std::string device_biases(Metavision::Device& device);
 
 }  // namespace e2lf::cameras

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <deque>
+#include <metavision/hal/device/device.h>
 #include <metavision/hal/device/device_discovery.h>
 #include <metavision/hal/facilities/i_events_stream.h>
 #include <metavision/hal/facilities/i_hw_identification.h>
@@ -21,7 +22,6 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
-#include "e2lf/cameras/metavision_device.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
@@ -75,26 +75,8 @@ std::string bare_format(const std::string& format) {
 
 using namespace std::chrono_literals;
 
-/// Copies the bytes of a buffer, which is a shared pointer before OpenEB 5.
-template <typename Buffer>
-void copy_buffer(const Buffer& buffer, std::vector<uint8_t>& bytes) {
-  if constexpr (requires { buffer->data(); }) {
-    if (buffer != nullptr) bytes.assign(buffer->data(), buffer->data() + buffer->size());
-  } else {
-    if (buffer.size() > 0) bytes.assign(buffer.data(), buffer.data() + buffer.size());
-  }
-}
-
-/// Returns the next bytes of a stream, which are a pointer and a length before OpenEB 4.6.
-template <typename Stream>
-void copy_latest(Stream& stream, std::vector<uint8_t>& bytes) {
-  if constexpr (requires(long count) { stream.get_latest_raw_data(count); }) {
-    long count = 0;
-    const auto* data = stream.get_latest_raw_data(count);
-    bytes.assign(data, data + count);
-  } else {
-    copy_buffer(stream.get_latest_raw_data(), bytes);
-  }
+void copy_buffer(const Metavision::DataTransfer::BufferPtr& buffer, std::vector<uint8_t>& bytes) {
+  if (buffer.size() > 0) bytes.assign(buffer.data(), buffer.data() + buffer.size());
 }
 
 /// The buffers that the HAL has received and not yet handed out, in order. When the camera is unplugged, the HAL no
@@ -133,18 +115,6 @@ class UnreadBuffers {
   size_t num_early_ = 0;  ///< number of buffers that were handed out before add() was called
 };
 
-/// Lets the HAL add its buffers. Returns whether it can, which it does since OpenEB 5.
-template <typename Stream>
-bool watch(Stream& stream, const std::shared_ptr<UnreadBuffers>& unread) {
-  if constexpr (requires { stream.get_data_transfer(); }) {
-    // The stream itself is not constant, but it gives no other access.
-    auto& transfer = const_cast<Metavision::DataTransfer&>(stream.get_data_transfer());
-    transfer.add_new_buffer_callback([unread](const UnreadBuffers::Buffer& buffer) { unread->add(buffer); });
-    return true;
-  }
-  return false;
-}
-
 /// The HAL discards the content of its queue when it is stopped. The queue is therefore emptied as soon as the HAL
 /// reports data, and the HAL is stopped only when it is empty.
 class MetavisionCamera final : public Camera {
@@ -164,7 +134,10 @@ class MetavisionCamera final : public Camera {
     E2LF_RETURN_IF_ERROR(set_up_device(*device_, setup_));
     header_ = device_header(*device_);
     biases_ = device_biases(*device_);
-    is_watched_ = watch(*stream_, unread_);
+    // The stream itself is not constant, but it gives no other access.
+    auto& transfer = const_cast<Metavision::DataTransfer&>(stream_->get_data_transfer());
+    transfer.add_new_buffer_callback(
+        [unread = unread_](const Metavision::DataTransfer::BufferPtr& buffer) { unread->add(buffer); });
     stream_->start();
     return {};
   } catch (const std::exception& error) {
@@ -188,8 +161,8 @@ class MetavisionCamera final : public Camera {
         return false;
       }
       if (state < 0) return fail(ErrorCode::kIo, name(), "the stream of the camera ended by itself; start it again");
-      copy_latest(*stream_, bytes);
-      if (is_watched_) unread_->forget();
+      copy_buffer(stream_->get_latest_raw_data(), bytes);
+      unread_->forget();
     }
     return true;
   } catch (const Metavision::HalConnectionException& error) {
@@ -252,7 +225,6 @@ class MetavisionCamera final : public Camera {
   std::unique_ptr<Metavision::Device> device_;
   Metavision::I_EventsStream* stream_ = nullptr;
   std::shared_ptr<UnreadBuffers> unread_ = std::make_shared<UnreadBuffers>();
-  bool is_watched_ = false;
   std::string header_, biases_;
   std::atomic<bool> is_stopped_ = false;
   std::atomic<bool> is_waiting_ = false;  ///< whether read() waits for data

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <map>
+#include <metavision/hal/device/device.h>
 #include <metavision/hal/facilities/i_antiflicker_module.h>
 #include <metavision/hal/facilities/i_erc_module.h>
 #include <metavision/hal/facilities/i_event_trail_filter_module.h>
@@ -15,7 +16,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cameras/metavision_device.h"
+#include "e2lf/cameras/cameras.h"
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/io/header_text.h"
 
@@ -109,10 +110,8 @@ Result<void> switch_off(Filter* filter, const char* name) {
 std::string regions_text(const Metavision::I_ROI& roi) {
   if (!roi.is_enabled()) return "all";
   std::vector<std::string> windows;
-  if constexpr (requires { roi.get_windows(); }) {
-    for (const auto& window : roi.get_windows()) {
-      windows.push_back(cat(window.x, ",", window.y, ",", window.width, ",", window.height));
-    }
+  for (const auto& window : roi.get_windows()) {
+    windows.push_back(cat(window.x, ",", window.y, ",", window.width, ",", window.height));
   }
   return windows.empty() ? "on" : join(windows, " ");
 }
@@ -144,23 +143,10 @@ std::vector<std::pair<std::string, std::string>> settings_of(Metavision::Device&
   return settings;
 }
 
-template <typename Biases, typename Info>
-bool read_range(const Biases& biases, bool (Biases::*get)(const std::string&, Info&) const, const std::string& name,
-                std::pair<int, int>& range) {
-  Info info;
-  if (!(biases.*get)(name, info)) return false;
-  range = info.get_bias_range();
-  return true;
-}
-
-/// Returns the range of a bias, or that of all biases of current sensors if this version of the HAL states none.
-template <typename Biases>
-std::pair<int, int> bias_range(const Biases& biases, const std::string& name) {
-  std::pair<int, int> range{-100, 255};
-  if constexpr (requires { read_range(biases, &Biases::get_bias_info, name, range); }) {
-    (void)read_range(biases, &Biases::get_bias_info, name, range);
-  }
-  return range;
+/// Returns the range of a bias, or that of all biases of current sensors if the HAL states none.
+std::pair<int, int> bias_range(const Metavision::I_LL_Biases& biases, const std::string& name) {
+  Metavision::LL_Bias_Info info;
+  return biases.get_bias_info(name, info) ? info.get_bias_range() : std::pair(-100, 255);
 }
 
 std::string evt_version(const std::string& format) {
