@@ -10,7 +10,6 @@
 #include "e2lf/capture/measurement/hot_pixels.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/cycles/marks.h"
 #include "e2lf/recordings/event.h"
 
 namespace e2lf::cycles {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "e2lf/capture/measurement/measurement.h"
-#include "e2lf/cycles/pattern_tracker.h"
+#include "e2lf/cycles/marks.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/recordings/recording.h"
 

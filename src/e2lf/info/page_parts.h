@@ -7,7 +7,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/capture/measurement/measurement.h"
 #include "e2lf/cycles/cycle_reader.h"
-#include "e2lf/cycles/pattern_tracker.h"
+#include "e2lf/cycles/marks.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/recordings/event_rate.h"
 #include "e2lf/report/chart.h"
