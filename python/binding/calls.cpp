@@ -7,10 +7,8 @@
 #include <mutex>
 #include <string>
 
-#include "e2lf/base/progress.h"
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/workspace.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf::python {
 namespace {

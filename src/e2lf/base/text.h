@@ -71,4 +71,11 @@ template <typename Location>
 /// Returns "1 cycle", "2 cycles".
 [[nodiscard]] std::string counted(size_t count, const char* what);
 
+/// Returns a cell of comma-separated values (RFC 4180) as it is written: quoted if it contains a comma, a quote or a
+/// line break.
+[[nodiscard]] std::string csv_cell(const std::string& text);
+
+/// Returns the cells of such a line without its line break.
+[[nodiscard]] std::vector<std::string> csv_cells(std::string_view line);
+
 }  // namespace e2lf

@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "e2lf/base/progress.h"
-#include "e2lf/files/workspace.h"
 #include "testing/test_files.h"
 
 namespace e2lf {

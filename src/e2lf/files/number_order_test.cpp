@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/files/number_order.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <vector>
+
+#include "e2lf/files/file.h"
 
 namespace e2lf {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/files/workspace.h"
 
 /// What a program may write, and what it may replace. Every output goes through OutputFile, open_result_folder() or
 /// GrowingFolder.

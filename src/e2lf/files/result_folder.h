@@ -5,8 +5,8 @@
 #include <string>
 
 #include "e2lf/base/result.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/files/workspace.h"
 
 namespace e2lf {
 

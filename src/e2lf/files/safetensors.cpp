@@ -11,7 +11,6 @@
 
 #include "e2lf/base/choice.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 
@@ -21,7 +20,7 @@ namespace {
 constexpr size_t kLengthSize = 8;
 constexpr const char* kMetadata = "__metadata__";
 
-/// The names of the types, with their codes in files/elements.h.
+/// The names of the types, with their codes in files/npy.h.
 constexpr Choice<std::string_view> kTypes[] = {
     {"F32", "f4"}, {"F16", "f2"}, {"BF16", "bf16"}, {"F64", "f8"}, {"U8", "u1"},  {"I8", "i1"},  {"I16", "i2"},
     {"U16", "u2"}, {"I32", "i4"}, {"U32", "u4"},    {"I64", "i8"}, {"U64", "u8"}, {"BOOL", "b1"}};

@@ -8,7 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/files/elements.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/lightfield/formats/readers.h"
 #include "e2lf/lightfield/image.h"
 

@@ -6,8 +6,8 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/lightfield/formats/readers.h"
 
 namespace e2lf::lightfield {

@@ -16,8 +16,8 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/files/workspace.h"
 #include "e2lf/info/version.h"
 #include "e2lf/terminal/progress_bar.h"
 

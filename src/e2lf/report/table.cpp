@@ -6,7 +6,6 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/csv.h"
 #include "e2lf/report/page.h"
 
 namespace e2lf::report {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 
 namespace e2lf::capture {

@@ -7,7 +7,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/number_order.h"
+#include "e2lf/files/file.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/lightfield/views.h"

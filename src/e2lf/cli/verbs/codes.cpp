@@ -9,7 +9,6 @@
 #include "e2lf/cli/flags/display_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/cycles/schedule.h"
-#include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"

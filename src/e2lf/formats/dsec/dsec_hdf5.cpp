@@ -8,7 +8,7 @@
 
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/elements.h"
+#include "e2lf/files/npy.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/table/table.h"
 #include "e2lf/recordings/batch_check.h"

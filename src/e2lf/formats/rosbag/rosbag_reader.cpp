@@ -6,7 +6,7 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/number_order.h"
+#include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/batch_check.h"

@@ -8,7 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/median.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/elements.h"
+#include "e2lf/files/npy.h"
 
 namespace e2lf::formats::table {
 namespace {

@@ -8,7 +8,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/files/workspace.h"
 #include "e2lf/learn/run/run_log.h"
 #include "e2lf/learn/run/torch_setup.h"
 #include "e2lf/learn/run/trainer.h"

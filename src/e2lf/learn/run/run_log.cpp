@@ -7,7 +7,6 @@
 #include <fstream>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/csv.h"
 #include "e2lf/files/file.h"
 #include "e2lf/report/chart.h"
 

@@ -7,7 +7,6 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/elements.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/mat5.h"
 #include "e2lf/files/npy.h"
