@@ -9,11 +9,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using e2lf::find_mat_array;
   using e2lf::fuzz::require;
   const std::span<const uint8_t> bytes(data, size);
-  const auto check = [](const e2lf::Result<RawImage>& image) {
-    if (image) require(image->samples.size() == image->height * image->row_bytes(), "an image has all its samples");
-  };
-  if (is_png(bytes)) check(decode_png(bytes, "input"));
-  if (is_jpeg(bytes)) check(decode_jpeg(bytes, "input"));
+  if (const auto image = decode_raw_image(bytes, "input")) {
+    require(image->samples.size() == image->height * image->row_bytes(), "an image has all its samples");
+  }
   std::vector<std::string> others;
   if (const auto array = find_mat_array(bytes, "LF", uint64_t{1} << 24, "input", others)) {
     require(array->data.size() <= (size_t{1} << 24), "a variable is no larger than was allowed");

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/lightfield/scene_texture.h"
 
 namespace e2lf::lightfield {
 namespace {

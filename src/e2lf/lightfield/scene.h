@@ -38,6 +38,15 @@ struct Material {
   uint32_t seed = 0;    ///< seed of all randomness in the texture
 };
 
+/// A position on a surface, in units of the scene. On quads and blocks, it is measured from the middle of a face.
+struct SurfacePoint {
+  float u = 0, v = 0;
+  float footprint = 0;  ///< width of a pixel there: finer detail is faded out, and edges have this width
+};
+
+/// Returns the albedo, in [0, 1], of a material at a position: dark + (bright - dark) * texture.
+[[nodiscard]] float albedo(const Material& material, const SurfacePoint& point);
+
 /// The parallelogram corner + a * edge_u + b * edge_v with a and b in [0, 1], visible from both sides.
 struct Quad {
   Vec3 corner, edge_u, edge_v;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/lightfield/scene_texture.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "e2lf/lightfield/scene.h"
 
 namespace e2lf::lightfield {
 namespace {

@@ -12,7 +12,6 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/hdf5/library.h"
 #include "e2lf/lightfield/formats/readers.h"
-#include "e2lf/lightfield/formats/view_grid.h"
 #include "e2lf/lightfield/views.h"
 
 namespace e2lf::lightfield {
@@ -160,19 +159,6 @@ void arrange_patch(size_t views, const std::vector<hsize_t>& extents, StoredArra
   array.strides = vwuh_strides(array.shape);
 }
 
-/// Returns the samples of a patch, which has one channel, in the order in which they are stored.
-Picture patch_picture(const StoredArray& array) {
-  Picture picture{array.shape.views_x * array.shape.width, array.shape.views_y * array.shape.height, {}};
-  picture.values.resize(array.shape.size());
-  with_element_type(array.type, [&](auto type) {
-    using Element = decltype(type);
-    for (size_t i = 0; i < picture.values.size(); ++i) {
-      picture.values[i] = static_cast<float>(load_element<Element>(array.bytes.data() + i * sizeof(Element)));
-    }
-  });
-  return picture;
-}
-
 /// Returns the extents and axis order of one of the three data sets; a patch is one view. shape.size() is 0 if they do
 /// not fit.
 StoredArray arrange(const OpenedSet& opened) {
@@ -208,7 +194,14 @@ Result<void> find_views(const ReadOptions& options, const std::vector<hsize_t>& 
     return fail(ErrorCode::kShape, location, "a patch of ", extents[0], "x", extents[1], " does not divide into ",
                 stated, "x", stated, " views; give the right number of views per axis");
   }
-  const std::optional<size_t> found = possible.size() == 1 ? possible[0] : montage_grid(patch_picture(array));
+  std::optional<size_t> found;
+  if (possible.size() == 1) {
+    found = possible[0];
+  } else {
+    Picture patch{extents[0], extents[1], {}};  // in the order in which it is stored
+    E2LF_ASSIGN_OR_RETURN(patch.values, elements_to_float(array.type, array.bytes, location));
+    found = montage_grid(patch);
+  }
   if (stated == 0 && !found) {
     return Error{ErrorCode::kInvalidValue,
                  cat("a patch of ", extents[0], "x", extents[1],

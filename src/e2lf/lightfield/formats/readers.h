@@ -38,20 +38,8 @@ struct RawImage {
 [[nodiscard]] bool is_png(std::span<const uint8_t> bytes);
 [[nodiscard]] bool is_jpeg(std::span<const uint8_t> bytes);
 
-/// Rejects an image size that the file cannot hold, where `least_bytes` is the smallest file size that it needs, and
-/// sizes beyond 2^28 pixels. It is called before memory is allocated for the pixels.
-[[nodiscard]] Result<void> check_image_size(const RawImage& image, double least_bytes, size_t file_bytes,
-                                            const std::string& name);
-
-/// Decode one format as decode_image does, but without the conversion to float.
-[[nodiscard]] Result<RawImage> decode_png(std::span<const uint8_t> bytes, const std::string& name);
-[[nodiscard]] Result<RawImage> decode_jpeg(std::span<const uint8_t> bytes, const std::string& name);
-
-/// Decodes either format, detected from the first bytes. Fails with kFormat if it is neither.
+/// Decodes an image as decode_image does, but without the conversion to float.
 [[nodiscard]] Result<RawImage> decode_raw_image(std::span<const uint8_t> bytes, const std::string& name);
-
-/// Compresses the rows of `image`. A bilevel PNG has 1 bit per pixel, and its samples are 0 and 1.
-[[nodiscard]] Result<std::vector<uint8_t>> encode_png_rows(const RawImage& image, bool is_bilevel = false);
 
 /// Checks the values of a light field against the assumed white, i.e. the stored number that was taken as 1 because
 /// none was named (0 = one was named). Fails with kInvalidValue if the integers are those of a smaller type: 0 and 1 in
@@ -172,6 +160,22 @@ struct ViewFiles {
 void log_unused_grid(const std::string& location);
 
 [[nodiscard]] Result<LightField> read_lenslet(const std::filesystem::path& path, const ReadOptions& options);
+
+/// One channel of a picture, [y, x], with values in any unit.
+struct Picture {
+  size_t height = 0, width = 0;
+  std::vector<float> values;
+
+  [[nodiscard]] const float* row(size_t y) const { return values.data() + y * width; }
+};
+
+/// Returns the number of views per axis of a picture in which whole views stand side by side: the n from 2 to 32 that
+/// divides both sides and for which the picture resembles itself one view further and not one and a half. Returns
+/// nothing if this does not distinguish one n from the others.
+[[nodiscard]] std::optional<size_t> montage_grid(const Picture& picture);
+
+/// Returns the numbers of views per axis, from 2 to 32, that divide both sides into views of at least 4 px.
+[[nodiscard]] std::vector<size_t> possible_grids(size_t height, size_t width);
 
 /// Returns the array of an .npz archive that holds the light field, or null.
 [[nodiscard]] const NpyArray* find_light_field(const NpzArrays& arrays);
