@@ -214,8 +214,7 @@ Result<void> write_views(const fs::path& folder, const LightFieldView& light_fie
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
-      const std::string name =
-          view_name(LightFieldKind::kViewFolder, static_cast<int>(view_y), static_cast<int>(view_x));
+      const std::string name = formatted("%02zu_%02zu.png", view_y, view_x);
       const Result<void> status = write_png(folder / name, view_image(light_field, view_y, view_x), depth);
       const std::lock_guard lock(mutex);
       if (!status.ok() && !error) error = status.error();

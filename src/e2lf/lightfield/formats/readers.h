@@ -21,9 +21,6 @@
 
 namespace e2lf::lightfield {
 
-/// Returns the PNG name of a view with two numbers. The camera position in a Stanford name is unknown, given as *.
-[[nodiscard]] std::string view_name(LightFieldKind kind, int row, int column);
-
 /// An image as a file stores it: rows of samples [y, x, channel] of 8 bits, or of 16 bits in the byte order of this
 /// machine.
 struct RawImage {

@@ -21,115 +21,62 @@ namespace {
 
 constexpr int kMaxNumber = 9999;
 
-/// Removes a number, which may be negative, from the front of `text`. Returns false if there is none or if it is too
-/// large.
-bool take_number(std::string_view& text, int& number) {
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (status != std::errc() || number > kMaxNumber || number < -kMaxNumber) return false;
-  text.remove_prefix(static_cast<size_t>(end - text.data()));
-  return true;
-}
-
-bool take_prefix(std::string_view& text, std::string_view prefix) {
-  if (!text.starts_with(prefix)) return false;
-  text.remove_prefix(prefix.size());
-  return true;
-}
-
 /// Returns whether the extension of a file is that of PNG or JPEG images.
-bool is_image_name(const std::filesystem::path& file) {
+bool is_image_name(const fs::path& file) {
   const std::string extension = lower_case(file.extension().string());
   return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
 }
 
-struct NumberedView {
-  LightFieldKind kind;  ///< one of the folder kinds
-  int row, column;      ///< in kHciFolder, whose names contain one number: row 0 and that number
-};
-
-/// Parses the file name of a view. Returns nothing for any other file.
-std::optional<NumberedView> parse_view_name(const std::filesystem::path& file) {
-  if (!is_image_name(file)) return std::nullopt;
-  const std::string stem = lower_case(file.stem().string());
-  std::string_view rest = stem;
-  if (take_prefix(rest, "input_cam")) {
-    int number = 0;
-    if (!take_number(rest, number) || !rest.empty() || number < 0) return std::nullopt;
-    return NumberedView{LightFieldKind::kHciFolder, 0, number};
-  }
-  const LightFieldKind kind = take_prefix(rest, "out_") ? LightFieldKind::kStanfordFolder : LightFieldKind::kViewFolder;
-  int row = 0, column = 0;
-  if (!take_number(rest, row) || !take_prefix(rest, "_") || !take_number(rest, column)) return std::nullopt;
-  const bool position_follows = kind == LightFieldKind::kStanfordFolder && rest.starts_with("_");
-  if (!rest.empty() && !position_follows) return std::nullopt;
-  return NumberedView{kind, row, column};
-}
-
-/// One of the two numbers in a file name.
+/// A number in a file name.
 struct NameNumber {
   int value = 0;              ///< at least 0
   size_t num_minus = 0;       ///< number of "-" in front of it
   bool follows_word = false;  ///< whether a letter or a digit stands in front of these, which they may separate from it
 };
 
-/// A file name with two numbers, which may be the row and the column of a view: view_0_0.png, r00_c00.png.
-struct PairName {
+/// The name of an image that may be a view: of kViewFolder ("00_00"), of kStanfordFolder ("out_00_00_-1.5_2.5"), of
+/// kHciFolder, with one number ("input_cam000"), or any other with two numbers ("view_0_0", "r00_c00").
+struct ViewName {
   std::string words;  ///< the name without its numbers, which all views of a light field share: "view_#_#"
-  NameNumber first, second;
-  /// Whether the first number is the column, as in x0_y0.png.
-  bool is_column_first;
+  std::vector<NameNumber> numbers;
 };
 
-/// Parses a file name with two numbers. The first one is the row, unless a letter x, u or c, or a word that begins with
-/// col, stands in front of it. Returns nothing for any other file.
-std::optional<PairName> parse_pair_name(const std::filesystem::path& file) {
+constexpr std::string_view kPlainName = "#_#", kStanfordName = "out_#_#", kHciName = "input_cam#";
+
+bool is_standard(std::string_view words) {
+  return words == kPlainName || words == kStanfordName || words == kHciName;
+}
+
+/// Parses the file name of an image. Returns nothing for any other file.
+std::optional<ViewName> parse_view_name(const fs::path& file) {
   if (!is_image_name(file)) return std::nullopt;
   const std::string stem = lower_case(file.stem().string());
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::string words;
-  std::vector<NameNumber> numbers;
+  ViewName name;
   bool follows_word = false;  // whether a letter or a digit stands in front of `rest`
   for (std::string_view rest = stem; !rest.empty();) {
+    // In the names of Stanford, the position of the camera follows.
+    if (name.words == kStanfordName && rest[0] == '_') break;
     const size_t minus = std::min(rest.find_first_not_of('-'), rest.size() - 1);
     const bool has_plus = rest[0] == '+' && rest.size() > 1;
     const size_t signs = std::max<size_t>(minus, has_plus ? 1 : 0);
     if (is_digit(rest[signs])) {
       rest.remove_prefix(signs);
       NameNumber number{0, minus, follows_word};
-      if (numbers.size() == 2 || !take_number(rest, number.value)) return std::nullopt;
-      numbers.push_back(number);
-      words += '#';
+      const auto [end, status] = std::from_chars(rest.data(), rest.data() + rest.size(), number.value);
+      if (name.numbers.size() == 2 || status != std::errc() || number.value > kMaxNumber) return std::nullopt;
+      rest.remove_prefix(static_cast<size_t>(end - rest.data()));
+      name.numbers.push_back(number);
+      name.words += '#';
       follows_word = true;
     } else {
       follows_word = rest[0] >= 'a' && rest[0] <= 'z';
-      words += rest[0];
+      name.words += rest[0];
       rest.remove_prefix(1);
     }
   }
-  if (numbers.size() != 2) return std::nullopt;
-  const std::string front = words.substr(0, words.find('#'));
-  const std::string word = front.substr(front.find_last_not_of("abcdefghijklmnopqrstuvwxyz") + 1);
-  const bool is_column_first = word == "x" || word == "u" || word == "c" || word.starts_with("col");
-  return PairName{words, numbers[0], numbers[1], is_column_first};
+  return name.numbers.size() == 2 || name.words == kHciName ? std::optional(std::move(name)) : std::nullopt;
 }
-
-/// Returns the name of the view with another number, with as many digits and the same extension as `like`, which is a
-/// name of kHciFolder.
-std::string numbered_view_name(const std::filesystem::path& like, int number) {
-  const std::string stem = like.stem().string();
-  const size_t words = std::string_view("input_Cam").size();
-  return cat(stem.substr(0, words), formatted("%0*d", static_cast<int>(stem.size() - words), number),
-             like.extension().string());
-}
-
-}  // namespace
-
-std::string view_name(LightFieldKind kind, int row, int column) {
-  if (kind == LightFieldKind::kStanfordFolder) return formatted("out_%02d_%02d_*.png", row, column);
-  return formatted("%02d_%02d.png", row, column);
-}
-
-namespace {
 
 /// The grid of views that are numbered consecutively: number = first + columns * row + column.
 struct FlatGrid {
@@ -193,12 +140,6 @@ Result<FolderGrid> grid_of(const ViewFiles& views, const ReadOptions& options, c
   return grid;
 }
 
-/// Returns the name of a missing view.
-std::string missing_name(const ViewFiles& views, const FolderGrid& grid, int row, int column) {
-  if (views.kind != LightFieldKind::kHciFolder) return view_name(views.kind, row, column);
-  return numbered_view_name(grid.files.begin()->second, grid.flat.first + grid.flat.columns * row + column);
-}
-
 /// Returns the files of the selected views, row by row.
 Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOptions& options, const fs::path& folder,
                                            ChosenGrid& chosen) {
@@ -211,8 +152,11 @@ Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOpt
       const int column = grid.columns.first + grid.columns.step * static_cast<int>(chosen.x[view_x]);
       const auto found = grid.files.find({row, column});
       if (found == grid.files.end()) {
-        return fail(ErrorCode::kNotFound, (folder / missing_name(views, grid, row, column)).string(),
-                    "the view is missing; copy the folder again");
+        const bool is_flat = views.kind == LightFieldKind::kHciFolder;
+        return fail(ErrorCode::kNotFound, folder, "the view ",
+                    is_flat ? cat("number ", grid.flat.first + grid.flat.columns * row + column)
+                            : cat("in row ", row, ", column ", column),
+                    " is missing; copy the folder again");
       }
       files.push_back(found->second);
     }
@@ -264,69 +208,56 @@ Result<void> read_rest(const std::vector<fs::path>& files, const ReadOptions& op
   return {};
 }
 
-/// The files whose names differ in two numbers only.
-struct NamedPairs {
-  std::vector<std::pair<PairName, fs::path>> files;
+/// The files whose names differ in their numbers only.
+using NameGroup = std::vector<std::pair<ViewName, fs::path>>;
 
-  /// Returns the number of "-" that only separate a number from the word or number before it: those in all names.
-  [[nodiscard]] size_t num_separators(NameNumber PairName::*number) const {
-    size_t least = SIZE_MAX;
-    for (const auto& [name, file] : files) least = std::min(least, (name.*number).num_minus);
-    return (files.front().first.*number).follows_word ? least : 0;
+/// Returns a number of each name. The "-" that are in all names only separate a number from the word or number before
+/// it; others are signs.
+std::vector<int> signed_numbers(const NameGroup& group, size_t which) {
+  size_t separators = group.front().first.numbers[which].follows_word ? SIZE_MAX : 0;
+  for (const auto& [name, file] : group) separators = std::min(separators, name.numbers[which].num_minus);
+  std::vector<int> values;
+  for (const auto& [name, file] : group) {
+    const NameNumber& number = name.numbers[which];
+    values.push_back(number.num_minus > separators ? -number.value : number.value);
   }
-};
-
-/// Returns a number with its sign.
-int signed_value(const NameNumber& number, size_t num_separators) {
-  return number.num_minus > num_separators ? -number.value : number.value;
+  return values;
 }
 
-/// Returns the views by row and column, or nothing if they are not a complete grid of at least 2x2.
-std::optional<ViewFiles> grid_of_pairs(const NamedPairs& group) {
-  const size_t before_first = group.num_separators(&PairName::first);
-  const size_t before_second = group.num_separators(&PairName::second);
-  const bool is_column_first = group.files.front().first.is_column_first;
+/// Returns the views of a group by row and column. The first number is the row, unless a letter x, u or c, or a word
+/// that begins with col, stands in front of it. Fails with kFormat if two files are the same view.
+Result<ViewFiles> views_of(const NameGroup& group) {
+  const std::string& words = group.front().first.words;
   ViewFiles views;
-  Numbers rows, columns;
-  for (const auto& [name, file] : group.files) {
-    const int first = signed_value(name.first, before_first), second = signed_value(name.second, before_second);
-    const std::pair<int, int> place = is_column_first ? std::pair(second, first) : std::pair(first, second);
-    // The same view may not exist twice.
-    if (!views.files.insert({place, file}).second) return std::nullopt;
-    rows.add(place.first);
-    columns.add(place.second);
+  if (words == kStanfordName) views.kind = LightFieldKind::kStanfordFolder;
+  if (words == kHciName) views.kind = LightFieldKind::kHciFolder;
+  const std::string front = words.substr(0, words.find('#'));
+  const std::string word = front.substr(front.find_last_not_of("abcdefghijklmnopqrstuvwxyz") + 1);
+  const bool is_column_first =
+      words == kHciName || word == "x" || word == "u" || word == "c" || word.starts_with("col");
+  const std::vector<int> first = signed_numbers(group, 0);
+  const std::vector<int> second = words == kHciName ? std::vector<int>(group.size()) : signed_numbers(group, 1);
+  for (size_t i = 0; i < group.size(); ++i) {
+    const std::pair<int, int> place = is_column_first ? std::pair(second[i], first[i]) : std::pair(first[i], second[i]);
+    const auto [other, is_new] = views.files.insert({place, group[i].second});
+    if (is_new) continue;
+    return fail(ErrorCode::kFormat, group[i].second, "the same view as ", other->second.filename().string(),
+                "; remove one of the two");
   }
-  const bool is_grid =
-      std::min(rows.count(), columns.count()) >= 2 && views.files.size() == rows.count() * columns.count();
-  if (!is_grid) return std::nullopt;
-  views.reading = cat("the first number in names such as ", views.files.begin()->second.filename().string(),
-                      " was taken as the ", is_column_first ? "column" : "row");
+  if (!is_standard(words)) {
+    views.reading = cat("the first number in names such as ", views.files.begin()->second.filename().string(),
+                        " was taken as the ", is_column_first ? "column" : "row");
+  }
   return views;
 }
 
-/// Returns the number of files whose names contain two numbers.
-size_t num_pairs(const std::vector<fs::path>& files) {
-  return static_cast<size_t>(
-      std::ranges::count_if(files, [](const fs::path& file) { return parse_pair_name(file).has_value(); }));
-}
-
-/// Returns the views with names such as view_0_0.png, if they are a complete grid of at least 2x2; the largest of
-/// several.
-std::optional<ViewFiles> list_pairs(const std::vector<fs::path>& files) {
-  std::map<std::string, NamedPairs> groups;
-  for (const fs::path& file : files) {
-    if (auto name = parse_pair_name(file)) {
-      const std::string words = name->words;
-      groups[words].files.emplace_back(*std::move(name), file);
-    }
+bool is_complete_grid(const ViewFiles& views) {
+  Numbers rows, columns;
+  for (const auto& [place, file] : views.files) {
+    rows.add(place.first);
+    columns.add(place.second);
   }
-  std::optional<ViewFiles> most;
-  for (const auto& [words, group] : groups) {
-    std::optional<ViewFiles> views = grid_of_pairs(group);
-    if (views && (!most || views->files.size() > most->files.size())) most = std::move(views);
-  }
-  if (most) most->others = num_pairs(files) - most->files.size();
-  return most;
+  return std::min(rows.count(), columns.count()) >= 2 && views.files.size() == rows.count() * columns.count();
 }
 
 /// Returns whether e2lf writes a picture of this name beside the views of a light field.
@@ -338,35 +269,30 @@ bool is_overview(const fs::path& file) {
 
 Result<ViewFiles> list_views(const fs::path& folder) {
   std::error_code error;
-  std::map<LightFieldKind, ViewFiles> kinds;
-  std::vector<fs::path> others;
+  std::map<std::string, NameGroup> groups;
+  size_t named = 0, pictures = 0;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path& file = entry->path();
-    const auto view = parse_view_name(file);
-    if (!view && is_image_name(file) && !is_overview(file)) others.push_back(file);
-    if (!view) continue;
-    ViewFiles& views = kinds[view->kind];
-    views.kind = view->kind;
-    const auto [other, added] = views.files.insert({{view->row, view->column}, file});
-    if (!added) {
-      return fail(ErrorCode::kFormat, file, "the same view as ", other->second.filename().string(),
-                  "; remove one of the two");
+    if (auto name = parse_view_name(file)) {
+      const std::string words = name->words;
+      groups[words].emplace_back(*std::move(name), file);
+      ++named;
+    } else if (is_image_name(file) && !is_overview(file)) {
+      ++pictures;
     }
   }
   if (error) return fail(ErrorCode::kIo, folder, "cannot list the folder (", error.message(), "); check it");
-  const size_t pictures = others.size() - num_pairs(others);
-  if (kinds.empty()) {
-    ViewFiles pairs = list_pairs(others).value_or(ViewFiles{});
-    pairs.pictures = pictures;
-    return pairs;
-  }
+  const bool has_standard = std::ranges::any_of(groups, [](const auto& group) { return is_standard(group.first); });
   ViewFiles most;
-  size_t all = num_pairs(others);
-  for (auto& [kind, views] : kinds) {
-    all += views.files.size();
-    if (views.files.size() > most.files.size()) most = std::move(views);
+  for (const auto& [words, group] : groups) {
+    if (is_standard(words) != has_standard || group.size() <= most.files.size()) continue;
+    Result<ViewFiles> views = views_of(group);
+    // Names of any kind are those of views only if they are a complete grid.
+    if (!has_standard && (!views || !is_complete_grid(*views))) continue;
+    if (!views) return views;
+    most = *std::move(views);
   }
-  most.others = all - most.files.size();
+  if (!most.files.empty()) most.others = named - most.files.size();
   most.pictures = pictures;
   return most;
 }
