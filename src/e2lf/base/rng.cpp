@@ -2,8 +2,6 @@
 #include "e2lf/base/rng.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 
 #include "e2lf/base/result.h"
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 
 namespace e2lf {
 
@@ -35,5 +37,17 @@ class CounterRng {
   uint64_t seed_;
   uint64_t stream_;
 };
+
+/// Converts a word to a uniform number in (0, 1) with 24 bits.
+inline float uniform_of(uint32_t word) {
+  return (static_cast<float>(word >> 8) + 0.5F) * 0x1p-24F;
+}
+
+/// Returns two independent standard normal draws made from two words.
+inline std::array<float, 2> normals_of(uint32_t word0, uint32_t word1) {
+  const float radius = std::sqrt(-2.0F * std::log(uniform_of(word0)));
+  const float angle = uniform_of(word1) * (2.0F * std::numbers::pi_v<float>);
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
 
 }  // namespace e2lf

@@ -9,10 +9,11 @@
 #include <vector>
 
 #include "e2lf/base/log.h"
+#include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/sensor/block_kernels.h"
-#include "e2lf/sensor/draws.h"
+#include "e2lf/sensor/pixel_model.h"
 
 namespace e2lf::sensor {
 

@@ -11,7 +11,6 @@
 #include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
-#include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/event_model.h"
 
 namespace e2lf::sensor {

@@ -11,6 +11,14 @@
 
 namespace e2lf::sensor {
 
+/// The streams of the generator for constant properties of a pixel.
+inline constexpr uint64_t kThresholdStream = uint64_t{1} << 33;
+inline constexpr uint64_t kHotStream = kThresholdStream + 1;
+/// The streams for varying quantities. The number of the pattern or segment is added.
+inline constexpr uint64_t kDefectStream = uint64_t{1} << 34;
+inline constexpr uint64_t kSegmentStream = uint64_t{1} << 35;
+inline constexpr uint64_t kImageStream = uint64_t{1} << 36;
+
 /// The contrast thresholds of one pixel, in natural logarithm.
 struct PixelThresholds {
   float on = 0.0F, off = 0.0F;

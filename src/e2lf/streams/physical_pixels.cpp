@@ -6,7 +6,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/rng.h"
-#include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/pixel_model.h"
 #include "e2lf/streams/event_stream.h"
 #include "e2lf/streams/receptor.h"
@@ -86,10 +85,10 @@ class PhysicalPixels : public SinglePixels {
       PhysicalPixel& pixel = pixels_[i];
       pixel.thresholds = sensor::draw_thresholds(constants(), options.map_seed, i);
       pixel.is_hot =
-          sensor::uniform_of(CounterRng(options.map_seed, sensor::kHotStream).bits(i)[0]) < options.defects.hot_share;
+          uniform_of(CounterRng(options.map_seed, sensor::kHotStream).bits(i)[0]) < options.defects.hot_share;
       pixel.inverse = 1.0 / exposure(first.from[i]);
       pixel.level = pixel.start = -std::log(pixel.inverse);
-      const float draw = sensor::uniform_of(CounterRng(options.seed, 0).bits(i)[0]);
+      const float draw = uniform_of(CounterRng(options.seed, 0).bits(i)[0]);
       // No event is due for a pixel at rest: its reference is less than a threshold away, whatever span was fitted.
       const double above = pixel.thresholds.off * constants()[kResetSpan] * draw - constants()[kResetOffset];
       pixel.reference = pixel.level + std::min(above, capture::kAlmostThreshold * pixel.thresholds.off);
@@ -157,7 +156,7 @@ class PhysicalPixels : public SinglePixels {
     pixel.noise_to = 0.0;
     if (deviation == 0.0) return;
     const auto words = CounterRng(options_.seed, segment.pattern).bits(i);
-    pixel.noise_to = deviation * sensor::normals_of(words[0], words[1])[0];
+    pixel.noise_to = deviation * normals_of(words[0], words[1])[0];
   }
 
   /// Without noise in black, events leave the reference less than an OFF threshold above the signal, and a dark scene
@@ -168,7 +167,7 @@ class PhysicalPixels : public SinglePixels {
     const double span = constants()[kResetSpan];
     if (span <= 1.0) return;
     PhysicalPixel& pixel = pixels_[i];
-    const float draw = sensor::uniform_of(CounterRng(options_.seed, segment.pattern - 1).bits(i)[0]);
+    const float draw = uniform_of(CounterRng(options_.seed, segment.pattern - 1).bits(i)[0]);
     const double drawn = pixel.level + pixel.noise_to + static_cast<double>(pixel.thresholds.off) * span * draw;
     pixel.noise_from += drawn - pixel.reference;
     pixel.reference = drawn;
@@ -275,10 +274,10 @@ class PhysicalPixels : public SinglePixels {
   void draw_dark(const Stretch& stretch, size_t i, double exposure, std::vector<StrayEvent>& strays) const {
     if (stretch.segment.is_black) return;
     const auto words = CounterRng(options_.seed, stretch.segment.pattern).bits(i);
-    const double draw = sensor::uniform_of(words[2]) * exposure;
+    const double draw = uniform_of(words[2]) * exposure;
     const bool is_off = draw < constants()[kDarkOff], is_on = exposure - draw < constants()[kDarkOn];
     if (!is_off && !is_on) return;
-    const double place = sensor::uniform_of(words[3]);
+    const double place = uniform_of(words[3]);
     if (!(place >= stretch.noise_begin && place < stretch.noise_end)) return;
     const double time_s = (place - stretch.noise_begin) / (stretch.noise_end - stretch.noise_begin);
     strays.push_back({time_s * stretch.receptor.duration_s, is_on, StrayEffect::kLater});

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "e2lf/base/rng.h"
-#include "e2lf/sensor/draws.h"
 #include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/pixel_model.h"
 #include "e2lf/streams/event_stream.h"
 
 namespace e2lf::streams {
@@ -41,7 +41,7 @@ class EsimPixels : public SinglePixels {
     const auto& constants = options_.constants;
     if (constants.sigma_z == 0) return {constants.tau, constants.tau};
     const auto words = CounterRng(options_.seed, sensor::kSegmentStream + segment_number()).bits(i);
-    const auto [first, second] = sensor::normals_of(words[0], words[1]);
+    const auto [first, second] = normals_of(words[0], words[1]);
     return {std::max(constants.tau + constants.sigma_z * first, sensor::kMinThreshold),
             std::max(constants.tau + constants.sigma_z * second, sensor::kMinThreshold)};
   }

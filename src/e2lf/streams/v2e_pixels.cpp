@@ -6,8 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "e2lf/sensor/draws.h"
+#include "e2lf/base/rng.h"
 #include "e2lf/sensor/event_model.h"
+#include "e2lf/sensor/pixel_model.h"
 #include "e2lf/streams/event_stream.h"
 
 namespace e2lf::streams {
@@ -48,10 +49,10 @@ class V2ePixels : public StreamPixels {
       V2ePixel& pixel = pixels_[i];
       pixel.base = pixel.low_pass = lin_log(number_of(static_cast<double>(first.from[i])));
       const auto words = CounterRng(options.map_seed, sensor::kThresholdStream).bits(i);
-      const auto [on, off] = sensor::normals_of(words[0], words[1]);
+      const auto [on, off] = normals_of(words[0], words[1]);
       pixel.theta_on = std::max(v2e_.pos_thres + v2e_.sigma_thres * on, sensor::kMinThreshold);
       pixel.theta_off = std::max(v2e_.neg_thres + v2e_.sigma_thres * off, sensor::kMinThreshold);
-      pixel.leak_factor = std::pow(10.0F, v2e_.noise_rate_cov_decades * sensor::normals_of(words[2], words[3])[0]);
+      pixel.leak_factor = std::pow(10.0F, v2e_.noise_rate_cov_decades * normals_of(words[2], words[3])[0]);
     }
   }
 
@@ -105,7 +106,7 @@ class V2ePixels : public StreamPixels {
     double rate = static_cast<double>(v2e_.leak_rate_hz * pixel.leak_factor);
     if (v2e_.leak_jitter_fraction > 0) {
       const auto words = CounterRng(seed_, sensor::kSegmentStream + frame.number).bits(i);
-      rate *= 1.0 - static_cast<double>(v2e_.leak_jitter_fraction * sensor::normals_of(words[0], words[1])[0]);
+      rate *= 1.0 - static_cast<double>(v2e_.leak_jitter_fraction * normals_of(words[0], words[1])[0]);
     }
     return frame.seconds() * rate * static_cast<double>(pixel.theta_on);
   }
