@@ -6,7 +6,6 @@
 #include "e2lf/files/file.h"
 #include "e2lf/recordings/codecs/metavision_hdf5/metavision_layout.h"
 #include "e2lf/recordings/convert.h"
-#include "e2lf/recordings/io/hdf5_file.h"
 #include "e2lf/recordings/recording.h"
 #include "testing/chunked_source.h"
 #include "testing/test_streams.h"
@@ -47,15 +46,14 @@ TEST(ContainerData, EcfFileAndDatFileOfOneRecordingAreEqual) {
 /// All entries of an index data set as (number, time), and its offset.
 std::pair<std::vector<std::pair<uint64_t, int64_t>>, std::string> read_index(const std::filesystem::path& path,
                                                                              const std::string& name) {
-  auto source = open_file_source(path);
-  auto file = hdf5_events::open_file(**source);
-  auto shape = hdf5_events::open_dataset(file->get(), name, "");
+  const hdf5_events::Handle file = e2lf::hdf5::open_file(path);
+  auto shape = hdf5_events::open_dataset(file.get(), name, "");
   std::vector<hdf5_events::IndexRecord> records(shape->length);
   EXPECT_TRUE(
       hdf5_events::read_elements(*shape, hdf5_events::index_type().get(), 0, records.size(), records.data(), "").ok());
   std::vector<std::pair<uint64_t, int64_t>> entries;
   for (const hdf5_events::IndexRecord& record : records) entries.emplace_back(record.id, record.ts);
-  for (const auto& [attribute, text] : hdf5_events::read_text_attributes(shape->dataset.get())) {
+  for (const auto& [attribute, text] : e2lf::hdf5::read_text_attributes(shape->dataset.get())) {
     if (attribute == "offset") return {entries, text};
   }
   return {entries, ""};

@@ -11,13 +11,13 @@
 #include "e2lf/files/npy.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/table/table.h"
+#include "e2lf/hdf5/library.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/io/hdf5_file.h"
 #include "e2lf/recordings/side_triggers.h"
 
 namespace e2lf::formats::dsec {
-using namespace recordings::hdf5_events;
+using namespace e2lf::hdf5;
 using table::Field;
 
 namespace {
@@ -137,11 +137,11 @@ Result<int64_t> read_offset(hid_t file, const OpenOptions& options, TimeUnit uni
   const Handle offset(H5Dopen2(file, "t_offset", H5P_DEFAULT), H5Dclose);
   if (!offset.valid()) return 0;
   const std::string place = location + ": t_offset";
-  E2LF_ASSIGN_OR_RETURN(const Storage storage, e2lf::hdf5::inspect_storage(offset.get(), place));
+  E2LF_ASSIGN_OR_RETURN(const Storage storage, inspect_storage(offset.get(), place));
   const NumberType type = number_type(offset.get());
   std::array<uint8_t, 8> bytes{};
   const Error damaged{ErrorCode::kFormat, "not one time; the file is damaged", place};
-  if (type.code.empty() || storage.claimed_elements() != 1 || !e2lf::hdf5::chunks_are_whole(offset.get(), storage) ||
+  if (type.code.empty() || storage.claimed_elements() != 1 || !chunks_are_whole(offset.get(), storage) ||
       H5Dread(offset.get(), type.memory.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     return damaged;
   }

@@ -3,10 +3,13 @@
 
 #include <cstdint>
 
+#include "e2lf/hdf5/library.h"
 #include "e2lf/recordings/event_blocks.h"
-#include "e2lf/recordings/io/hdf5_file.h"
 
 namespace e2lf::recordings::hdf5_events {
+
+using e2lf::hdf5::DatasetShape, e2lf::hdf5::Handle, e2lf::hdf5::LibraryLock, e2lf::hdf5::open_dataset,
+    e2lf::hdf5::read_elements;
 
 inline constexpr H5Z_filter_t kEcfFilter = 0x8ECF;
 inline constexpr uint64_t kChunkEvents = 16384;

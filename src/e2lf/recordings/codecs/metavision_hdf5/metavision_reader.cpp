@@ -266,9 +266,28 @@ class TriggerDataset final : public EventBlocks {
   std::vector<TriggerRecord> records_;
 };
 
+/// Opens the file of a source; a source without a file is read into memory first. Fails with kFormat and kIo.
+Result<Handle> open_source(ByteSource& source) {
+  const LibraryLock lock;
+  Handle file;
+  if (!source.path().empty()) {
+    file = e2lf::hdf5::open_file(source.path());
+  } else {
+    E2LF_ASSIGN_OR_RETURN(std::vector<uint8_t> bytes, read_rest(source));
+    file = e2lf::hdf5::open_bytes(std::move(bytes));
+  }
+  if (!file.valid()) {
+    return fail(ErrorCode::kFormat, source.name(),
+                "the HDF5 library cannot open this file, which is damaged or incomplete; copy it again");
+  }
+  return file;
+}
+
 RecordingInfo read_info(hid_t file) {
   RecordingInfo info{.format = "hdf5"};
-  info.header = read_text_attributes(file);
+  for (const auto& [name, text] : e2lf::hdf5::read_text_attributes(file)) {
+    info.header.emplace_back(name, header_text(text));
+  }
   constexpr size_t kMostSide = 65536;
   const auto geometry = parse_geometry(info.find("geometry").value_or(""), kMostSide);
   if (geometry) std::tie(info.width, info.height) = *geometry;
@@ -321,7 +340,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
   const LibraryLock lock;
   const std::string name = source->name();
   // The data sets keep the file open.
-  E2LF_ASSIGN_OR_RETURN(const Handle file, open_file(*source));
+  E2LF_ASSIGN_OR_RETURN(const Handle file, open_source(*source));
   RecordingInfo info = read_info(file.get());
   E2LF_RETURN_IF_ERROR(apply_size_option(options, info, name));
 
