@@ -12,7 +12,7 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/diagnose/finding.h"
 #include "e2lf/diagnose/triggers.h"
-#include "e2lf/recordings/duplicates.h"
+#include "e2lf/recordings/event_counters.h"
 
 namespace e2lf::diagnose {
 

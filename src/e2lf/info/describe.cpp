@@ -19,7 +19,7 @@
 #include "e2lf/learn/data/packed_data.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/model/model.h"
-#include "e2lf/recordings/duplicates.h"
+#include "e2lf/recordings/event_counters.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/video/video_model.h"
 

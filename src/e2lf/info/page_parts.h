@@ -9,7 +9,7 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/cycles/marks.h"
 #include "e2lf/lightfield/image.h"
-#include "e2lf/recordings/event_rate.h"
+#include "e2lf/recordings/event_counters.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/report/page.h"
 

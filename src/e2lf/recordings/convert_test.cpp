@@ -7,7 +7,7 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
-#include "e2lf/recordings/event_rate.h"
+#include "e2lf/recordings/event_counters.h"
 #include "testing/test_streams.h"
 
 namespace e2lf::recordings {

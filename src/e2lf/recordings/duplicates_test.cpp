@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/recordings/duplicates.h"
-
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <random>
 #include <set>
 #include <tuple>
 #include <vector>
+
+#include "e2lf/recordings/event_counters.h"
 
 namespace e2lf::recordings {
 namespace {

@@ -10,7 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_picture.h"
 #include "e2lf/eval/report.h"
-#include "e2lf/recordings/event_rate.h"
+#include "e2lf/recordings/event_counters.h"
 #include "e2lf/report/page.h"
 #include "e2lf/report/table.h"
 

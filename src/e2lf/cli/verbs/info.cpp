@@ -13,7 +13,7 @@
 #include "e2lf/program/option_values.h"
 #include "e2lf/program/report_output.h"
 #include "e2lf/program/run_record.h"
-#include "e2lf/recordings/event_rate.h"
+#include "e2lf/recordings/event_counters.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
