@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The containers of a bag, MCAP files and SQLite databases; declared in bag.h.
+// The containers of a bag, MCAP files, SQLite databases and folders of them; declared in bag.h.
 #include <algorithm>
 #include <deque>
 #include <map>
@@ -9,6 +9,7 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/io/bytes.h"
@@ -366,5 +367,71 @@ Result<BagPtr> open_sqlite_bag(SourcePtr source) {
 }
 
 #endif
+
+namespace fs = std::filesystem;
+namespace {
+
+constexpr size_t kMaxFiles = 100'000;
+
+bool is_bag_file(const fs::path& path) {
+  return path.extension() == ".db3" || path.extension() == ".mcap";
+}
+
+std::vector<fs::path> files_of_folder(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (is_bag_file(entry.path()) && files.size() < kMaxFiles) files.push_back(entry.path());
+  }
+  std::ranges::sort(files, is_before_in_number_order);
+  return files;
+}
+
+class BagFiles final : public Bag {
+ public:
+  explicit BagFiles(std::vector<fs::path> files) : files_(std::move(files)) {}
+
+  std::vector<Topic> topics() const override { return bag_->topics(); }
+
+  Result<bool> next(BagMessage& message, DecodeSummary& summary) override {
+    for (;;) {
+      E2LF_ASSIGN_OR_RETURN(const bool more, bag_->next(message, summary));
+      if (more) return true;
+      if (file_ + 1 >= files_.size()) return false;
+      E2LF_RETURN_IF_ERROR(open(file_ + 1));
+    }
+  }
+
+  Result<void> rewind() override { return open(0); }
+
+  Result<void> open(size_t file) {
+    file_ = file;
+    E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(files_[file]));
+    E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
+    E2LF_ASSIGN_OR_RETURN(bag_,
+                          detect_mcap(head) ? open_mcap_bag(std::move(source)) : open_sqlite_bag(std::move(source)));
+    return {};
+  }
+
+ private:
+  std::vector<fs::path> files_;
+  BagPtr bag_;
+  size_t file_ = 0;
+};
+
+}  // namespace
+
+bool is_bag_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error) && !files_of_folder(path).empty();
+}
+
+Result<BagPtr> open_folder_bag(const fs::path& folder) {
+  std::vector<fs::path> files = files_of_folder(folder);
+  if (files.empty()) return fail(ErrorCode::kNotFound, folder, "the folder contains no files of a bag");
+  auto bag = std::make_unique<BagFiles>(std::move(files));
+  E2LF_RETURN_IF_ERROR(bag->open(0));
+  return BagPtr(std::move(bag));
+}
 
 }  // namespace e2lf::formats::rosbag

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Finds the files of a ROS 2 bag and reads their events; declared in bag.h and codecs.h.
+// Reads the events of the messages of a ROS 2 bag; declared in codecs.h.
 
 #include <algorithm>
 #include <deque>
+#include <optional>
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
-#include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/rosbag/bag.h"
 #include "e2lf/recordings/batch_check.h"
@@ -17,53 +18,118 @@ namespace e2lf::formats::rosbag {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr size_t kMaxFiles = 100'000;
+constexpr size_t kWordBytes = 8;
+constexpr int64_t kNsPerUs = 1000;
+constexpr const char* kList = "list";
 
-bool is_bag_file(const fs::path& path) {
-  return path.extension() == ".db3" || path.extension() == ".mcap";
-}
+/// A message of events whose payload is not decoded.
+struct EventMessage {
+  std::string_view encoding;  ///< "evt3", "mono", ...; "list" for messages that contain individual events
+  uint64_t width = 0, height = 0;
+  std::optional<uint64_t> number;  ///< number of the packet, if packets are numbered
+  uint64_t time_base_ns = 0;
+  std::span<const uint8_t> payload;
+  uint32_t count = 0;  ///< number of events of a list, as the message states
+  size_t place = 0;    ///< offset of the payload in the message, to which the fields of a list are aligned
+};
 
-std::vector<fs::path> files_of_folder(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (is_bag_file(entry.path()) && files.size() < kMaxFiles) files.push_back(entry.path());
-  }
-  std::ranges::sort(files, is_before_in_number_order);
-  return files;
-}
-
-class BagFiles final : public Bag {
+/// Reads the fields of a little-endian CDR message, each of which is aligned to its size.
+class Fields : public Contents {
  public:
-  explicit BagFiles(std::vector<fs::path> files) : files_(std::move(files)) {}
+  /// `place` is the offset of the bytes after the header of the message.
+  explicit Fields(std::span<const uint8_t> bytes, size_t place = 0) : Contents(bytes), end_(place + bytes.size()) {}
 
-  std::vector<Topic> topics() const override { return bag_->topics(); }
-
-  Result<bool> next(BagMessage& message, DecodeSummary& summary) override {
-    for (;;) {
-      E2LF_ASSIGN_OR_RETURN(const bool more, bag_->next(message, summary));
-      if (more) return true;
-      if (file_ + 1 >= files_.size()) return false;
-      E2LF_RETURN_IF_ERROR(open(file_ + 1));
-    }
+  template <typename T>
+  T number() {
+    take((sizeof(T) - place() % sizeof(T)) % sizeof(T));
+    return Contents::number<T>();
   }
-
-  Result<void> rewind() override { return open(0); }
-
-  Result<void> open(size_t file) {
-    file_ = file;
-    E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(files_[file]));
-    E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
-    E2LF_ASSIGN_OR_RETURN(bag_,
-                          detect_mcap(head) ? open_mcap_bag(std::move(source)) : open_sqlite_bag(std::move(source)));
-    return {};
+  std::string_view text() {
+    const std::string_view with_zero = as_text(take(number<uint32_t>()));
+    return with_zero.substr(0, with_zero.size() - std::min<size_t>(with_zero.size(), 1));
   }
+  [[nodiscard]] size_t place() const { return end_ - rest().size(); }
 
  private:
-  std::vector<fs::path> files_;
-  BagPtr bag_;
-  size_t file_ = 0;
+  size_t end_;
 };
+
+bool is_packet_type(const std::string& type) {
+  return type.starts_with("event_camera_msgs/") || type.starts_with("event_array_msgs/");
+}
+
+/// Appends individual events: x, y, seconds and nanoseconds since 1970, polarity.
+bool append_list(const EventMessage& message, EventBatch& batch) {
+  Fields fields(message.payload, message.place);
+  for (uint32_t i = 0; i < message.count; ++i) {
+    Event event;
+    event.x = fields.number<uint16_t>();
+    event.y = fields.number<uint16_t>();
+    const int64_t seconds = fields.number<int32_t>();
+    event.t = seconds * 1'000'000 + fields.number<uint32_t>() / kNsPerUs;
+    event.p = static_cast<uint8_t>(fields.number<uint8_t>() != 0);
+    if (fields.is_cut()) return false;
+    batch.events.push_back(event);
+  }
+  return true;
+}
+
+/// Parses a message. Returns nothing if it is truncated, has the wrong type for its topic, or is from a machine with
+/// the other byte order.
+std::optional<EventMessage> parse_message(const std::string& type, std::span<const uint8_t> message) {
+  constexpr size_t kHeaderBytes = 4;
+  constexpr uint8_t kLittleEndian = 1;
+  if (message.size() < kHeaderBytes || message[0] != 0 || (message[1] & 1) != kLittleEndian) return std::nullopt;
+  Fields fields(message.subspan(kHeaderBytes));
+  fields.number<int32_t>();  // time stamp
+  fields.number<uint32_t>();
+  fields.text();  // the camera's frame
+  EventMessage result;
+  result.height = fields.number<uint32_t>();
+  result.width = fields.number<uint32_t>();
+  if (is_packet_type(type)) {
+    result.number = fields.number<uint64_t>();
+    result.time_base_ns = fields.number<uint64_t>();
+    result.encoding = fields.text();
+    if (fields.number<uint8_t>() != 0) return std::nullopt;  // big-endian
+    result.payload = fields.take(fields.number<uint32_t>());
+  } else {
+    result.encoding = kList;
+    result.count = fields.number<uint32_t>();
+    result.place = fields.place();
+    result.payload = fields.take(fields.rest().size());
+  }
+  if (fields.is_cut() || result.width > UINT16_MAX + 1 || result.height > UINT16_MAX + 1) return std::nullopt;
+  return result;
+}
+
+/// Returns whether decode_message() supports an encoding. "evt3" is not among them, because its words depend on those
+/// of earlier messages.
+bool is_known_encoding(std::string_view encoding) {
+  constexpr std::string_view kKnown[] = {"mono", "trigger", kList};
+  return std::find(std::begin(kKnown), std::end(kKnown), encoding) != std::end(kKnown);
+}
+
+/// Appends the content of a message to `batch`. Returns false if its payload is truncated; what precedes the truncation
+/// is kept.
+bool decode_message(const EventMessage& message, EventBatch& batch) {
+  if (message.encoding == kList) return append_list(message, batch);
+  const auto payload = message.payload;
+  const auto base_ns = static_cast<int64_t>(std::min<uint64_t>(message.time_base_ns, INT64_MAX / 2));
+  for (size_t i = 0; i + kWordBytes <= payload.size(); i += kWordBytes) {
+    // 32 bits of time in ns since the base, 16 of x, 15 of y or of the trigger input, and the polarity.
+    const auto word = load_le<uint64_t>(&payload[i]);
+    const int64_t t_us = (base_ns + static_cast<int64_t>(word & UINT32_MAX)) / kNsPerUs;
+    const auto x = static_cast<uint16_t>(word >> 32), y = static_cast<uint16_t>(word >> 48 & 0x7FFF);
+    const auto p = static_cast<uint8_t>(word >> 63);
+    if (message.encoding == "mono") {
+      batch.events.push_back({x, y, p, t_us});
+    } else {
+      batch.triggers.push_back({t_us, y, p});
+    }
+  }
+  return payload.size() % kWordBytes == 0;
+}
 
 /// Largest number of messages before the first one of the topic that is read.
 constexpr size_t kMaxHeldMessages = 10'000;
@@ -296,9 +362,10 @@ Result<ReaderPtr> open_bag(Result<BagPtr> opened, bool seekable, const std::stri
 
 }  // namespace
 
-bool is_bag_folder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error) && !files_of_folder(path).empty();
+bool is_event_type(const std::string& type) {
+  constexpr std::string_view kTypes[] = {"event_camera_msgs/msg/EventPacket", "event_array_msgs/msg/EventArray",
+                                         "dvs_msgs/msg/EventArray", "prophesee_event_msgs/msg/EventArray"};
+  return std::find(std::begin(kTypes), std::end(kTypes), type) != std::end(kTypes);
 }
 
 bool detect_sqlite(std::span<const uint8_t> head) {
@@ -318,11 +385,7 @@ Result<ReaderPtr> open_mcap(SourcePtr source, const OpenOptions& options) {
 }
 
 Result<ReaderPtr> open_folder(const fs::path& path, const OpenOptions& options) {
-  std::vector<fs::path> files = files_of_folder(path);
-  if (files.empty()) return fail(ErrorCode::kNotFound, path, "the folder contains no files of a bag");
-  auto bag = std::make_unique<BagFiles>(std::move(files));
-  E2LF_RETURN_IF_ERROR(bag->open(0));
-  return open_bag(BagPtr(std::move(bag)), /*seekable=*/true, "rosbag", path.string(), options);
+  return open_bag(open_folder_bag(path), /*seekable=*/true, "rosbag", path.string(), options);
 }
 
 }  // namespace e2lf::formats::rosbag
