@@ -62,7 +62,7 @@ TEST(EventVideo, NormalisesWhereTheModelSaysSoAndForgetsWhenTold) {
   EXPECT_NE(first, plain.next(grid).value());
   plain.reset();
   capture::VoxelGrid normal = grid;
-  capture::normalise_nonzero(normal.values);
+  normalise_nonzero(normal.values);
   EXPECT_EQ(first, plain.next(normal).value());
 }
 

@@ -148,10 +148,29 @@ Result<EventVideo> EventVideo::create(VideoModel model, size_t height, size_t wi
   return EventVideo(std::move(model), std::move(engine), height, width);
 }
 
+void normalise_nonzero(std::span<float> voxels) {
+  double sum = 0.0, squares = 0.0;
+  size_t count = 0;
+  for (const float value : voxels) {
+    if (value == 0.0F) continue;
+    sum += value;
+    squares += static_cast<double>(value) * value;
+    ++count;
+  }
+  if (count == 0) return;
+  constexpr double kLeastDeviation = 1e-6;
+  const double mean = sum / static_cast<double>(count);
+  const double variance = squares / static_cast<double>(count) - mean * mean;
+  const double deviation = std::max(std::sqrt(std::max(variance, 0.0)), kLeastDeviation);
+  for (float& value : voxels) {
+    if (value != 0.0F) value = static_cast<float>((value - mean) / deviation);
+  }
+}
+
 Result<std::vector<float>> EventVideo::next(capture::VoxelGrid grid) {
   E2LF_REQUIRE(grid.count == model_.bins && grid.height == height_ && grid.width == width_,
                "the grid has another size");
-  if (model_.normalises_voxels) capture::normalise_nonzero(grid.values);
+  if (model_.normalises_voxels) normalise_nonzero(grid.values);
   const bool is_padded = padded_height_ != height_ || padded_width_ != width_;
   if (is_padded) {
     capture::VoxelGrid padded(grid.count, padded_height_, padded_width_);

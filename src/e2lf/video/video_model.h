@@ -99,4 +99,8 @@ class EventVideo {
 /// uses quantiles.
 void apply_frame_tone(FrameTone tone, std::span<float> frame);
 
+/// Normalises the non-zero voxels to mean 0 and standard deviation 1, v <- (v - mean) / max(deviation, 1e-6), with the
+/// mean and deviation of these voxels; the others remain zero.
+void normalise_nonzero(std::span<float> voxels);
+
 }  // namespace e2lf::video

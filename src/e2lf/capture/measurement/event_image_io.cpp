@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "e2lf/base/text.h"
@@ -22,43 +21,23 @@ std::string place_of(size_t element, const std::vector<size_t>& shape) {
   return shape_text(place);
 }
 
-/// Fails if numbers are not integers, naming the first one and its place in `shape`.
-Result<void> check_whole(const std::vector<float>& values, const std::vector<size_t>& shape,
-                         const std::string& location) {
-  const auto is_finite = [](float value) { return std::isfinite(value); };
-  const auto infinite = std::find_if_not(values.begin(), values.end(), is_finite);
-  const auto place = [&](auto found) { return place_of(static_cast<size_t>(found - values.begin()), shape); };
-  if (infinite != values.end()) {
-    const auto count = values.size() - static_cast<size_t>(std::count_if(values.begin(), values.end(), is_finite));
-    return fail(ErrorCode::kInvalidValue, location, count, count == 1 ? " count is" : " counts are",
-                " not finite (NaN or infinity), the first is ", *infinite, " at ", place(infinite),
-                "; event images contain integers, so replace these values");
-  }
-  const auto part = std::find_if(values.begin(), values.end(), [](float value) { return value != std::trunc(value); });
-  if (part == values.end()) return {};
-  return fail(ErrorCode::kInvalidValue, location, "the count ", *part, " at ", place(part),
-              " is not a whole number; event images contain sums of signed events, so undo their scaling");
-}
-
-/// Converts `array` to int16; any value that is not an integer within int16 is an error.
+/// Converts `array` to int16; any value that is not an integer within int16 is an error, which names the first one.
 Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string& location) {
-  E2LF_ASSIGN_OR_RETURN(const std::vector<float> rough, array.to_float(location));
-  if (array.type.starts_with('f')) E2LF_RETURN_IF_ERROR(check_whole(rough, array.shape, location));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
   // In unsigned numbers of 8 to 64 bits, -1 is the largest value, so values beyond half of it were negative.
   const bool is_unsigned = array.type.starts_with('u');
-  const auto half = static_cast<float>(std::ldexp(0.5, static_cast<int>(8 * array.item_size)));
-  std::vector<int16_t> counts(rough.size());
-  for (size_t i = 0; i < rough.size(); ++i) {
-    if (is_unsigned && rough[i] >= half) {
-      return fail(ErrorCode::kInvalidValue, location, "the counts are of an unsigned type (", array.type,
-                  "), in which -1 became ", rough[i], " at ", place_of(i, array.shape), "; store them as int16");
-    }
-    if (rough[i] < std::numeric_limits<int16_t>::min() || rough[i] > std::numeric_limits<int16_t>::max()) {
-      return fail(ErrorCode::kInvalidValue, location, "the event count ", rough[i], " at ", place_of(i, array.shape),
-                  " does not fit int16; is this an event image?");
-    }
-    counts[i] = static_cast<int16_t>(rough[i]);
+  const float half = std::ldexp(0.5F, static_cast<int>(8 * array.item_size));
+  const float end = is_unsigned ? std::min(half, 32768.0F) : 32768.0F;
+  const auto is_count = [end](float value) { return value == std::trunc(value) && value >= -32768.0F && value < end; };
+  const auto other = std::find_if_not(values.begin(), values.end(), is_count);
+  if (other != values.end()) {
+    return fail(ErrorCode::kInvalidValue, location, "the count ", *other, " at ",
+                place_of(static_cast<size_t>(other - values.begin()), array.shape), " is not a whole number of int16; ",
+                is_unsigned ? "unsigned numbers cannot be negative, and -1 becomes the largest: store int16"
+                            : "event images contain sums of signed events, so undo a scaling and replace NaN");
   }
+  std::vector<int16_t> counts(values.size());
+  std::transform(values.begin(), values.end(), counts.begin(), [](float v) { return static_cast<int16_t>(v); });
   return counts;
 }
 

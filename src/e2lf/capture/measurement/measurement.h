@@ -18,10 +18,6 @@ namespace e2lf::capture {
 /// computes it.
 using VoxelGrid = Planes<float>;
 
-/// Normalises the non-zero voxels to mean 0 and standard deviation 1, v <- (v - mean) / max(deviation, 1e-6), with the
-/// mean and deviation of these voxels; the others remain zero.
-void normalise_nonzero(std::span<float> voxels);
-
 /// The intensities that the sensor receives under each pattern (Eq. 1), divided by the number of views: float32
 /// [pattern, y, x], row-major.
 using CodedIntensities = Planes<float>;
@@ -65,7 +61,9 @@ inline constexpr Choice<MeasurementKind> kMeasurementKinds[] = {{"event-images",
   return kind == MeasurementKind::kEventImages || kind == MeasurementKind::kHybrid;
 }
 /// Returns the number of intensity images for N patterns, or 0 for a kind without any.
-[[nodiscard]] size_t num_images(MeasurementKind kind, size_t num_patterns);
+[[nodiscard]] constexpr size_t num_images(MeasurementKind kind, size_t num_patterns) {
+  return kind == MeasurementKind::kEventImages ? 0 : kind == MeasurementKind::kCodedImages ? num_patterns : 1;
+}
 
 /// The unit of fused counts: 1/64 of an event.
 inline constexpr size_t kFusedUnits = 64;

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/video/video_model.h"
 
-namespace e2lf::capture {
+namespace e2lf::video {
 namespace {
 
 TEST(NormaliseNonzero, LeavesZerosAndGivesTheRestMeanZeroAndDeviationOne) {
@@ -33,4 +33,4 @@ TEST(NormaliseNonzero, AnEmptyGridStaysEmpty) {
 }
 
 }  // namespace
-}  // namespace e2lf::capture
+}  // namespace e2lf::video
