@@ -51,20 +51,11 @@ bool is_whole(const std::optional<Element>& element) {
   return element && element->data.size() == element->size;
 }
 
-/// Inflates up to out.size() bytes and returns their number, or nothing if the stream is damaged. zlib verifies the
-/// checksum of a stream that ends here.
-std::optional<size_t> inflate_some(std::span<const uint8_t> in, std::span<uint8_t> out, bool to_the_end) {
-  z_stream stream{};
-  if (inflateInit(&stream) != Z_OK) return std::nullopt;
-  stream.next_in = const_cast<Bytef*>(in.data());
-  stream.avail_in = static_cast<uInt>(in.size());
-  stream.next_out = out.data();
-  stream.avail_out = static_cast<uInt>(out.size());
-  const int status = inflate(&stream, to_the_end ? Z_FINISH : Z_SYNC_FLUSH);
-  const size_t size = out.size() - stream.avail_out;
-  inflateEnd(&stream);
-  if (status == Z_STREAM_END || (!to_the_end && status == Z_OK)) return size;
-  return std::nullopt;
+/// Inflates up to out.size() bytes, whose number is returned in `size`. Returns what zlib does: Z_OK for a stream that
+/// ends there and has the right checksum, and Z_BUF_ERROR for a longer one.
+int inflate_some(std::span<const uint8_t> in, std::span<uint8_t> out, uLongf& size) {
+  size = out.size();
+  return uncompress(out.data(), &size, in.data(), in.size());
 }
 
 /// Returns the content of an element, of which a compressed one only has the first bytes, inflated into `preview`. It
@@ -72,7 +63,9 @@ std::optional<size_t> inflate_some(std::span<const uint8_t> in, std::span<uint8_
 std::span<const uint8_t> content_of(const Element& element, std::vector<uint8_t>& preview) {
   if (element.type != kCompressed) return element.data;
   preview.resize(kPreviewBytes);
-  preview.resize(inflate_some(element.data, preview, false).value_or(0));
+  uLongf size = 0;
+  const int status = inflate_some(element.data, preview, size);
+  preview.resize(status == Z_OK || status == Z_BUF_ERROR ? size : 0);
   return std::span(preview).subspan(std::min(preview.size(), kTagBytes));
 }
 
@@ -128,7 +121,8 @@ Result<std::vector<uint8_t>> inflate_variable(const Element& element, std::span<
                 " bytes, more than the limit; raise the limit");
   }
   std::vector<uint8_t> bytes(size);
-  if (inflate_some(element.data, bytes, true) != size) return damaged(location);
+  uLongf inflated = 0;
+  if (inflate_some(element.data, bytes, inflated) != Z_OK || inflated != size) return damaged(location);
   return bytes;
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <optional>
 #include <set>
 
 #include "e2lf/base/choice.h"
@@ -96,8 +95,25 @@ Result<Range> read_entry(const Json& json, uint64_t data_size, const std::string
   return range;
 }
 
+/// Reads the metadata and the entries of all tensors, without their bytes, from a file with `data_size` bytes of data.
+/// Returns where the data of each tensor are.
+Result<std::map<std::string, Range>> read_entries(const Json& header, uint64_t data_size, const std::string& name,
+                                                  Safetensors& file) {
+  std::map<std::string, Range> ranges;
+  for (const auto& [key, value] : header.items()) {
+    if (key == kMetadata) {
+      E2LF_RETURN_IF_ERROR(read_metadata(value, name, file));
+    } else {
+      E2LF_ASSIGN_OR_RETURN(ranges[key], read_entry(value, data_size, cat(name, ": ", key), file.tensors[key]));
+    }
+  }
+  return ranges;
+}
+
 /// Checks that the tensors cover the data without holes or overlaps, as the format requires.
-Result<void> check_cover(std::vector<Range> ranges, size_t data_size, const std::string& name) {
+Result<void> check_cover(const std::map<std::string, Range>& of_tensors, size_t data_size, const std::string& name) {
+  std::vector<Range> ranges;
+  for (const auto& [key, range] : of_tensors) ranges.push_back(range);
   std::sort(ranges.begin(), ranges.end(),
             [](const Range& a, const Range& b) { return std::pair(a.begin, a.end) < std::pair(b.begin, b.end); });
   size_t position = 0;
@@ -164,19 +180,12 @@ Result<Safetensors> decode_safetensors(std::span<const uint8_t> bytes, const std
   const auto data = bytes.subspan(kLengthSize + length);
 
   Safetensors file;
-  std::vector<Range> ranges;
-  for (const auto& [key, value] : header.items()) {
-    if (key == kMetadata) {
-      E2LF_RETURN_IF_ERROR(read_metadata(value, name, file));
-    } else {
-      Tensor& tensor = file.tensors[key];
-      E2LF_ASSIGN_OR_RETURN(Range range, read_entry(value, data.size(), cat(name, ": ", key), tensor));
-      const auto content = data.subspan(range.begin, range.end - range.begin);
-      tensor.bytes.assign(content.begin(), content.end());
-      ranges.push_back(std::move(range));
-    }
+  E2LF_ASSIGN_OR_RETURN(const auto ranges, read_entries(header, data.size(), name, file));
+  E2LF_RETURN_IF_ERROR(check_cover(ranges, data.size(), name));
+  for (const auto& [key, range] : ranges) {
+    const auto content = data.subspan(range.begin, range.end - range.begin);
+    file.tensors[key].bytes.assign(content.begin(), content.end());
   }
-  E2LF_RETURN_IF_ERROR(check_cover(std::move(ranges), data.size(), name));
   return file;
 }
 
@@ -224,19 +233,14 @@ Result<Safetensors> read_safetensors_header(const std::filesystem::path& path, c
   const std::string_view text(reinterpret_cast<const char*>(head.data()) + kLengthSize, head.size() - kLengthSize);
   E2LF_ASSIGN_OR_RETURN(const Json header, parse_header(text, name));
   Safetensors file;
-  if (header.contains(kMetadata)) E2LF_RETURN_IF_ERROR(read_metadata(header[kMetadata], name, file));
-  std::optional<Range> wanted;
-  for (const auto& [key, value] : header.items()) {
-    if (key == kMetadata) continue;
-    E2LF_ASSIGN_OR_RETURN(Range range,
-                          read_entry(value, size - kLengthSize - length, cat(name, ": ", key), file.tensors[key]));
-    if (key == tensor_name) wanted = std::move(range);
-  }
-  if (!wanted) return file;
+  E2LF_ASSIGN_OR_RETURN(const auto ranges, read_entries(header, size - kLengthSize - length, name, file));
+  const auto wanted = ranges.find(tensor_name);
+  if (wanted == ranges.end()) return file;
+  const Range& range = wanted->second;
   Tensor& tensor = file.tensors[tensor_name];
-  tensor.bytes.resize(wanted->end - wanted->begin);
+  tensor.bytes.resize(range.end - range.begin);
   std::ifstream in(path, std::ios::binary);
-  in.seekg(static_cast<std::streamoff>(kLengthSize + length + wanted->begin));
+  in.seekg(static_cast<std::streamoff>(kLengthSize + length + range.begin));
   in.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(tensor.bytes.size()));
   if (in) return file;
   return fail(ErrorCode::kIo, path, "cannot be read; check its permissions");
