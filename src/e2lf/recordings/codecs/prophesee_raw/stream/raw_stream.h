@@ -29,9 +29,8 @@ class RawStream {
   /// Decodes as much of `bytes` as the sink accepts. `first_byte` is the position of bytes[0] in the file, for reports;
   /// `ended` = no bytes follow. At the end, used == bytes.size(). Also stops if the next word would reach beyond the
   /// first `stop` bytes: two streams that stop between the same words of an aligned section have the same state there.
-  template <typename Sink>
-  Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, Sink& sink, DecodeSummary& summary,
-                   size_t stop = Input::kNoStop) {
+  Progress process(std::span<const uint8_t> bytes, bool ended, uint64_t first_byte, ColumnSink& sink,
+                   DecodeSummary& summary, size_t stop = Input::kNoStop) {
     using Step = typename WordDamage<WordCodec>::Step;
     Input input{bytes, 0, stop, ended, first_byte, &summary};
     for (;;) {
@@ -99,8 +98,7 @@ class RawStream {
     return {input.bytes.size(), 0};
   }
 
-  template <typename Sink>
-  size_t decode(Input& input, size_t count, Sink& sink) {
+  size_t decode(Input& input, size_t count, ColumnSink& sink) {
     const typename WordCodec::State before = state_;
     size_t used = 0;
     if constexpr (requires { WordCodec::skip_events(input.data(), count, state_, limits_, skipped_, sink); }) {
