@@ -6,7 +6,7 @@
 #include <dlfcn.h>
 
 #include "bench/peers/torch_training.h"
-#include "e2lf/learn/data/surfaces.h"
+#include "e2lf/learn/data/synthesiser.h"
 #include "e2lf/learn/run/trainer.h"
 
 namespace e2lf::learn {

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <string>
 
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/aperture.h"
-#include "e2lf/geometry/central_picture.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/model/composition.h"
 
@@ -377,6 +377,14 @@ Result<model::Model> for_patterns(const model::Model& model, const capture::Code
 Result<model::Model> for_own_patterns(model::Model model) {
   if (!model.open_guide || !model.codes) return model;
   return for_patterns(model, *model.codes);
+}
+
+void add_operations() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    for (const engine::Operation& operation : {plane_sweep(), render_layers(), warp()})
+      engine::add_operation(operation);
+  });
 }
 
 }  // namespace e2lf::geometry

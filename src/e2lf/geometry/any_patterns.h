@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "e2lf/model/model.h"
+#include <vector>
+
+#include "e2lf/model/composition.h"
 
 namespace e2lf::geometry {
 
@@ -18,5 +20,16 @@ namespace e2lf::geometry {
 /// Composes views with the network for any patterns that they follow (Model::open_guide), if their own patterns are
 /// known; other models are returned as they are. Fails as for_patterns() does.
 [[nodiscard]] Result<model::Model> for_own_patterns(model::Model model);
+
+/// Returns how networks of the central picture read the pictures behind `codes`, for a network of disparity with the
+/// input groups `input`. Fails with kUnsupported if `codes` are those of a whole cycle, and as describe_aperture()
+/// does.
+[[nodiscard]] Result<model::CentralInput> central_input(const capture::Codes& codes,
+                                                        const std::vector<model::InputGroup>& input);
+
+/// Composes a network of the central picture (model::is_picture_network()) with one of disparity that was adapted to
+/// `codes`. Fails as central_input() and model::rendered() do.
+[[nodiscard]] Result<model::Model> rendered_for_patterns(model::Model picture, model::Model disparity,
+                                                         const capture::Codes& codes);
 
 }  // namespace e2lf::geometry

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/geometry/central_picture.h"
-
 #include <algorithm>
 #include <utility>
 
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/model/composition.h"
 

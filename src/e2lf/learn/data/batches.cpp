@@ -2,15 +2,15 @@
 #include "e2lf/learn/data/batches.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
-#include "e2lf/learn/data/conditions.h"
 
 namespace e2lf::learn {
 namespace {
 
-enum SeedPurpose : uint64_t { kNoise = 1, kSynthesis = 2, kSamples = 3, kValidation = 4 };
+enum SeedPurpose : uint64_t { kSeedOfNoise = 1, kSynthesis = 2, kSamples = 3, kValidation = 4 };
 constexpr uint64_t kFirstPool = 32;  // light fields synthesised before the first step
 
 int64_t scene_stride(const DataConfig& data) {
@@ -47,43 +47,161 @@ MovingSamples moving_samples(const std::vector<torch::Tensor>& at_times, const t
   return {which, torch::stack(moving), gain.index_select(0, which) / 255.0};
 }
 
+/// Draws each constant of the camera from its uncertainty, and sets a transmission for every active pattern.
+capture::SensorProfile draw_camera(capture::SensorProfile camera, const SensorConfig& sensor, size_t num_codes,
+                                   Draws& draws) {
+  const double spread = draws.chance(sensor.camera_nominal_share) ? 0.0 : sensor.camera_spread;
+  const auto vary = [&](float value, float uncertainty) {
+    return value * static_cast<float>(std::exp(draws.uniform(-1.0, 1.0) * spread * uncertainty));
+  };
+  for (size_t i = 0; i < camera.pixel.values.size(); ++i) {
+    camera.pixel.values[i] = vary(camera.pixel.values[i], camera.uncertainty.values[i]);
+  }
+  camera.transmission.resize(num_codes - 1, 1.0F);
+  for (size_t k = 1; k < camera.transmission.size(); ++k) {
+    camera.transmission[k] = vary(camera.transmission[k], camera.transmission_uncertainty);
+  }
+  using enum capture::PixelConstant;
+  camera.constants.eps = camera.pixel[kEps];
+  camera.constants.tau = 0.5F * (camera.pixel[kThresholdOn] + camera.pixel[kThresholdOff]);
+  return camera;
+}
+
+/// Draws a camera that is better than the stated one: each group of its imperfections is unchanged with probability
+/// 1/2, and is otherwise reduced, down to none. Rates increase by a factor of up to 1000, which leaves no lag.
+capture::SensorProfile draw_wide(capture::SensorProfile camera, Draws& draws) {
+  using enum capture::PixelConstant;
+  const auto scale = [&](std::initializer_list<capture::PixelConstant> names, double factor) {
+    for (const auto name : names) camera.pixel[name] *= static_cast<float>(factor);
+  };
+  if (draws.chance(0.5)) scale({kReceptorRate, kAmplifierRate}, draws.log_uniform(1.0, 1000.0));
+  if (draws.chance(0.5)) scale({kMismatch, kMismatchEach}, draws.uniform(0.0, 1.0));
+  if (draws.chance(0.5)) scale({kNoise, kShotNoise, kDarkOff, kDarkOn}, draws.uniform(0.0, 1.0));
+  if (draws.chance(0.5)) scale({kLeak}, draws.uniform(0.0, 1.0));
+  return camera;
+}
+
+/// Draws the transmissions of black and of the active patterns at one position of the image; they deviate from those
+/// that the network receives.
+std::vector<float> draw_field(const std::vector<float>& stated, double spread, Draws& draws) {
+  std::vector<float> passed = {1.0F};
+  for (const float share : stated)
+    passed.push_back(share * static_cast<float>(std::exp(spread * draws.uniform(-1.0, 1.0))));
+  return passed;
+}
+
 }  // namespace
 
-Result<std::vector<size_t>> scenes_for_training(const DataConfig& data, const Dataset& dataset) {
+Conditions draw_conditions(const SensorConfig& sensor, uint64_t batch, torch::Device device, Draws& draws) {
+  std::vector<float> gain, residue, tau, sigma_w, sigma_z;
+  for (uint64_t i = 0; i < batch; ++i) {
+    const bool nominal = draws.chance(sensor.nominal_share);
+    const bool noise_free = draws.chance(sensor.noise_free_share) && !nominal;
+    const auto pick = [&](float usual, const std::array<double, 2>& range) {
+      const auto drawn = static_cast<float>(draws.uniform(range[0], range[1]));
+      return nominal ? usual : drawn;
+    };
+    const float noise = noise_free ? 0.0F : 1.0F;
+    tau.push_back(pick(sensor.nominal.tau, sensor.tau));
+    sigma_w.push_back(noise * pick(sensor.nominal.sigma_w, sensor.sigma_w));
+    sigma_z.push_back(noise * pick(sensor.nominal.sigma_z, sensor.sigma_z));
+    const bool full = draws.chance(sensor.full_gain_share);
+    const auto drawn_gain = static_cast<float>(draws.log_uniform(sensor.gain[0], sensor.gain[1]));
+    gain.push_back(full ? 1.0F : drawn_gain);
+    // Half of the residues are one threshold, as the change to black leaves them, the others a fraction of one.
+    const double thresholds = std::min(1.0, draws.uniform(0.0, 2.0));
+    residue.push_back(draws.chance(sensor.residue_share) && !nominal ? static_cast<float>(thresholds) : 0.0F);
+  }
+  const auto on_device = [&](const std::vector<float>& values) {
+    return torch::tensor(at::ArrayRef<float>(values)).reshape({-1, 1, 1}).to(device);
+  };
+  return {on_device(gain).flatten(),
+          on_device(residue).flatten(),
+          {torch::full({static_cast<int64_t>(gain.size()), 1, 1}, sensor.nominal.eps, torch::device(device)),
+           on_device(tau), on_device(sigma_w), on_device(sigma_z)}};
+}
+
+void add_conditioning(size_t num_patterns, Conditions& conditions) {
+  const auto device = conditions.gain.device();
+  if (num_patterns < 2) {
+    conditions.constants.conditioning = torch::zeros({conditions.gain.size(0), 0}, torch::device(device));
+    return;
+  }
+  const SampleConstants& constants = conditions.constants;
+  const auto value = [](const torch::Tensor& values, int64_t i) { return values.flatten()[i].item<float>(); };
+  std::vector<torch::Tensor> rows;
+  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
+    const auto conditioning =
+        capture::conditioning_vector({.constants = {value(constants.eps, i), value(constants.tau, i),
+                                                    value(constants.sigma_w, i), value(constants.sigma_z, i)},
+                                      .residue = value(conditions.residue, i)},
+                                     num_patterns);
+    rows.push_back(torch::tensor(at::ArrayRef<float>(conditioning)));
+  }
+  conditions.constants.conditioning = torch::stack(rows).to(device);
+}
+
+void apply_camera(const SensorConfig& sensor, const capture::SensorProfile& camera, const PatternNumbers& patterns,
+                  size_t cycles, Draws& draws, Conditions& conditions) {
+  const auto device = conditions.gain.device();
+  const auto row = [&](const std::vector<float>& values) { return torch::tensor(at::ArrayRef<float>(values)); };
+  std::vector<torch::Tensor> constants, transmissions, is_pixel;
+  for (int64_t i = 0; i < conditions.gain.size(0); ++i) {
+    capture::SensorProfile drawn = draw_camera(camera, sensor, patterns.codes, draws);
+    if (draws.chance(sensor.camera_wide_share)) drawn = draw_wide(std::move(drawn), draws);
+    const bool chosen = draws.chance(sensor.camera_share);
+    const auto gain = static_cast<float>(draws.log_uniform(sensor.camera_gain[0], sensor.camera_gain[1]));
+    is_pixel.push_back(torch::tensor(chosen));
+    constants.push_back(row({drawn.pixel.values.begin(), drawn.pixel.values.end()}));
+    transmissions.push_back(row(draw_field(drawn.transmission, sensor.camera_field_spread, draws)));
+    if (!chosen) continue;
+    conditions.gain[i] = gain;
+    conditions.constants.eps[i] = drawn.constants.eps;
+    conditions.constants.tau[i] = drawn.constants.tau;
+    conditions.constants.conditioning[i] = row(capture::conditioning_vector(drawn, patterns.all, cycles)).to(device);
+  }
+  conditions.constants.pixel = {torch::stack(is_pixel), torch::stack(constants).to(device),
+                                torch::stack(transmissions).to(device), static_cast<int64_t>(cycles)};
+}
+
+Result<std::vector<size_t>> SampleSource::prepare() {
+  const DataConfig& data = config_.data;
+  std::vector<const Scene*> left_out;
   using List = std::pair<const char*, const std::vector<std::string>*>;
   for (const auto& [key, names] : {List("data.validation", &data.validation), List("data.exclude", &data.exclude)}) {
     for (const std::string& name : *names) {
-      const auto found = dataset.find(name);
+      const auto found = dataset_.find(name);
       if (!found) return Error{found.error().code, cat(found.error().message, " Or remove it from this list"), key};
+      left_out.push_back(*found);
     }
   }
   std::vector<size_t> numbers;
-  for (size_t i = 0; i < dataset.scenes.size(); ++i) {
-    const auto names_it = [&](const auto& names) {
-      return std::ranges::find(names, dataset.scenes[i].name) != names.end();
-    };
-    if (!names_it(data.validation) && !names_it(data.exclude)) numbers.push_back(i);
+  for (size_t i = 0; i < dataset_.scenes.size(); ++i) {
+    if (std::ranges::find(left_out, &dataset_.scenes[i]) == left_out.end()) numbers.push_back(i);
+  }
+  if (config_.sensor.camera.empty()) return numbers;
+  E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config_.sensor.camera));
+  E2LF_ASSIGN_OR_RETURN(camera_, capture::read_camera(path));
+  if (!camera_->is_pixel() || !config_.patterns.black_first) {
+    return fail(ErrorCode::kInvalidValue, config_.sensor.camera,
+                "training requires a camera of the event model \"pixel\" and a black first pattern; choose another "
+                "camera or set patterns.black_first");
   }
   return numbers;
 }
 
-Result<std::optional<capture::SensorProfile>> camera_for_training(const Config& config) {
-  std::optional<capture::SensorProfile> camera;
-  if (config.sensor.camera.empty()) return camera;
-  E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledCameras, config.sensor.camera));
-  E2LF_ASSIGN_OR_RETURN(camera, capture::read_camera(path));
-  if (!camera->is_pixel() || !config.patterns.black_first) {
-    return fail(ErrorCode::kInvalidValue, config.sensor.camera,
-                "training requires a camera of the event model \"pixel\" and a black first pattern; choose another "
-                "camera or set patterns.black_first");
+void SampleSource::add_validation(const std::function<Scene(uint64_t)>& synthesise) {
+  if (!config_.data.validation.empty()) return;
+  for (const uint64_t i : {uint64_t{1}, uint64_t{2}}) {
+    dataset_.scenes.push_back(synthesise(i));
+    dataset_.scenes.back().name = cat("synthesised ", i);
+    config_.data.validation.push_back(dataset_.scenes.back().name);
   }
-  return camera;
 }
 
 Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::Device device) {
   Batches batches(config, std::move(dataset), device);
-  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, scenes_for_training(config.data, batches.dataset_));
-  E2LF_ASSIGN_OR_RETURN(batches.camera_, camera_for_training(config));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, batches.prepare());
   const auto patch = static_cast<int64_t>(config.train.patch);
   const int64_t stride = scene_stride(config.data);
   double places = 0;
@@ -99,33 +217,14 @@ Result<Batches> Batches::create(const Config& config, Dataset dataset, torch::De
     return fail(ErrorCode::kInvalidValue, config.data.file,
                 "no light field of the data is left to train on; add some or set data.synthetic_share to 1");
   }
-  if (config.data.validation.empty()) batches.synthesise_validation();
-  return batches;
-}
-
-/// Synthesises light fields that are not used for training and are large enough for an evaluation.
-void Batches::synthesise_validation() {
-  constexpr uint64_t kScenes = 2;
-  SynthesiserOptions options = config_.data.synthesiser;
+  // Not used for training, and large enough for an evaluation.
+  SynthesiserOptions options = config.data.synthesiser;
   options.size = std::max<int64_t>(options.size, 64);
-  for (uint64_t i = 1; i <= kScenes; ++i) {
-    const auto scene = synthesise(dataset_.textures, options, mix_seed(config_.seed, kValidation, i), device_);
-    dataset_.scenes.push_back({cat("synthesised ", i), views_last(scene.views)});
-    config_.data.validation.push_back(dataset_.scenes.back().name);
-  }
-}
-
-void Batches::advance_pool(uint64_t step) {
-  if (config_.data.synthetic_share <= 0.0) return;
-  const auto end = kFirstPool + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
-  pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
-  const std::vector<double> times = pattern_times(config_.patterns);
-  for (; pool_end_ < end; ++pool_end_) {
-    pool_.push_back(synthesise(dataset_.textures, config_.data.synthesiser,
-                               mix_seed(config_.seed, kSynthesis, pool_end_), device_, times));
-    pool_.back().views = views_last(pool_.back().views);
-    if (pool_.size() > config_.data.pool) pool_.pop_front();
-  }
+  batches.add_validation([&](uint64_t i) {
+    const uint64_t seed = mix_seed(config.seed, kValidation, i);
+    return Scene{"", views_last(synthesise(batches.dataset_.textures, options, seed, device).views)};
+  });
+  return batches;
 }
 
 MovingScene Batches::random_crop(const MovingScene& scene, int64_t stride, Draws& draws) const {
@@ -160,7 +259,11 @@ MovingScene Batches::random_patch(Draws& draws) const {
 
 Batch Batches::at(uint64_t step, Share share) {
   torch::NoGradGuard no_grad;
-  advance_pool(step);
+  const std::vector<double> times = pattern_times(config_.patterns);
+  advance(pool_, kFirstPool, step, [&](uint64_t number) {
+    return synthesise(dataset_.textures, config_.data.synthesiser, mix_seed(config_.seed, kSynthesis, number), device_,
+                      times);
+  });
   // Everything is drawn for the whole batch, so that a sample does not depend on the number of shares.
   Draws draws(mix_seed(config_.seed, kSamples, step), 0);
   std::vector<torch::Tensor> patches, moving;
@@ -179,7 +282,7 @@ Batch Batches::at(uint64_t step, Share share) {
                  of_camera, conditions);
   }
   const auto& [gain, most_residue, constants] = conditions;
-  torch::manual_seed(mix_seed(config_.seed, kNoise, step));
+  torch::manual_seed(mix_seed(config_.seed, kSeedOfNoise, step));
   const auto size = static_cast<int64_t>(config_.train.batch), patch = static_cast<int64_t>(config_.train.patch);
   const auto kind = model::measurement_of(config_.input).value();
   const auto num_patterns = static_cast<int64_t>(config_.patterns.num_patterns);

@@ -7,7 +7,6 @@
 #include "e2lf/base/result.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/learn/data/batches.h"
-#include "e2lf/learn/data/surfaces.h"
 #include "e2lf/learn/data/synthesiser.h"
 #include "testing/test_training_data.h"
 

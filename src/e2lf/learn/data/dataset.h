@@ -12,7 +12,7 @@
 namespace e2lf::learn {
 
 /// The grid of views of training data.
-inline constexpr int64_t kViewsPerSide = 8, kViews = 64;
+inline constexpr int64_t kViewsPerSide = 8, kViews = 64, kCentre = 36;  // view (4, 4)
 
 struct Scene {
   std::string name;

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <torch/torch.h>
 
-#include "e2lf/base/text.h"
-#include "e2lf/learn/data/pattern_draws.h"
+#include "e2lf/learn/data/draws.h"
 
 namespace e2lf::learn {
 namespace {
@@ -18,7 +17,6 @@ constexpr std::array<size_t, 6> kNumbersLit = {2, 3, 4, 5, 6, 7};
 constexpr std::array kNumberShares = {0.02, 0.72, 0.04, 0.02, 0.02, 0.18};
 constexpr double kWholeCycleShare = 0.15;  // of the steps with three lit patterns
 constexpr double kTwoPartsShare = 0.6;     // of the steps with several cycles, whose number differs between two parts
-constexpr int64_t kCentralView = 36;       // view (4, 4)
 constexpr uint64_t kFirstScenes = 16;      // drawn before the first step
 
 size_t draw_number_lit(Draws& draws) {
@@ -142,10 +140,8 @@ KnownScene scaled_part(const Scene& scene, int64_t size, Draws& draws) {
 }
 
 DepthBatches::DepthBatches(const Config& config, capture::Codes codes, Dataset dataset, torch::Device device)
-    : config_(config),
+    : SampleSource(config, std::move(dataset), device),
       codes_(std::move(codes)),
-      dataset_(std::move(dataset)),
-      device_(device),
       scenes_(std::make_unique<KnownScenes>(dataset_.textures, config.data.synthesiser,
                                             mix_seed(config.seed, kDepthScenes, 0), device)) {}
 
@@ -156,8 +152,7 @@ Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes c
     E2LF_ASSIGN_OR_RETURN(auto known, read_pattern_set(name));
     batches.known_.push_back(std::move(known));
   }
-  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, scenes_for_training(config.data, batches.dataset_));
-  E2LF_ASSIGN_OR_RETURN(batches.camera_, camera_for_training(config));
+  E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, batches.prepare());
   for (const size_t i : numbers) {
     const torch::Tensor& maps = batches.dataset_.scenes[i].disparity;
     if (maps.defined() && maps.isfinite().flatten(1).any(1).all().item<bool>()) batches.real_.push_back(i);
@@ -167,18 +162,12 @@ Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes c
                 "no light field with disparities is left to train on; pack some with `e2lf pack --disparity`, or set "
                 "data.synthetic_share to 1");
   }
-  if (config.data.validation.empty()) batches.synthesise_validation();
+  batches.add_validation([&](uint64_t i) {
+    const KnownScene scene = synthesise_known(batches.dataset_.textures, config.data.synthesiser,
+                                              mix_seed(config.seed, kDepthValidation, i), device);
+    return Scene{"", views_last(scene.views), scene.disparity};
+  });
   return batches;
-}
-
-void DepthBatches::synthesise_validation() {
-  constexpr uint64_t kScenes = 2;
-  for (uint64_t i = 1; i <= kScenes; ++i) {
-    const KnownScene scene = synthesise_known(dataset_.textures, config_.data.synthesiser,
-                                              mix_seed(config_.seed, kDepthValidation, i), device_);
-    dataset_.scenes.push_back({cat("synthesised ", i), views_last(scene.views), scene.disparity});
-    config_.data.validation.push_back(dataset_.scenes.back().name);
-  }
 }
 
 KnownScene DepthBatches::random_scene(Draws& draws) const {
@@ -199,20 +188,9 @@ std::vector<capture::Codes> DepthBatches::draw_codes(Draws& draws) const {
   return drawn;
 }
 
-void DepthBatches::advance_pool(uint64_t step) {
-  if (config_.data.synthetic_share <= 0.0) return;
-  const auto end = kFirstScenes + static_cast<uint64_t>(static_cast<double>(step) * config_.data.pool_per_step);
-  pool_end_ = std::max(pool_end_, end - std::min(end, config_.data.pool));
-  for (; pool_end_ < end; ++pool_end_) {
-    pool_.push_back(scenes_->at(pool_end_));
-    pool_.back().views = views_last(pool_.back().views);
-    if (pool_.size() > config_.data.pool) pool_.pop_front();
-  }
-}
-
 DepthBatch DepthBatches::at(uint64_t step, Share share) {
   torch::NoGradGuard no_grad;
-  advance_pool(step);
+  advance(pool_, kFirstScenes, step, [&](uint64_t number) { return scenes_->at(number); });
   // All but the noise is drawn for the whole batch, so that a sample does not depend on the number of shares.
   Draws draws(mix_seed(config_.seed, kDepthSamples, step), 0);
   const uint64_t batch = config_.train.batch;
@@ -247,7 +225,7 @@ DepthBatch DepthBatches::at(uint64_t step, Share share) {
   auto light_field = torch::stack(std::vector(views.begin() + first, views.begin() + first + length))
                          .to(torch::kFloat)
                          .permute({0, 3, 1, 2});
-  result.central = light_field.select(1, kCentralView) / 255.0;
+  result.central = light_field.select(1, kCentre) / 255.0;
   light_field.mul_((result.gain / 255.0).reshape({-1, 1, 1, 1}));
   torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step) + static_cast<uint64_t>(share.rank));
   result.events = simulate_cycles(light_field.contiguous(), result.codes, result.constants,

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <torch/types.h>
 #include <vector>
 
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/learn/data/batches.h"
-#include "e2lf/learn/data/conditions.h"
 #include "e2lf/learn/data/known_scenes.h"
 
 namespace e2lf::learn {
@@ -25,7 +23,7 @@ struct DepthBatch {
 };
 
 /// Training samples for disparity. The batch of step k depends only on the configuration and k.
-class DepthBatches {
+class DepthBatches : public SampleSource {
  public:
   /// `codes`: the patterns of patterns.codes. Reads the sets of patterns.known. Of the scenes of the data, those for
   /// training whose disparities are known for all four central views give the samples that are not synthesised. Fails
@@ -37,27 +35,15 @@ class DepthBatches {
   /// Returns a share of the batch of a step, as Batches::at() does.
   [[nodiscard]] DepthBatch at(uint64_t step, Share share = {});
 
-  /// As Batches has them.
-  [[nodiscard]] const Dataset& dataset() const { return dataset_; }
-  [[nodiscard]] const std::vector<std::string>& validation() const { return config_.data.validation; }
-  [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
-
  private:
   DepthBatches(const Config& config, capture::Codes codes, Dataset dataset, torch::Device device);
-  void synthesise_validation();
-  void advance_pool(uint64_t step);
   [[nodiscard]] KnownScene random_scene(Draws& draws) const;
   [[nodiscard]] std::vector<capture::Codes> draw_codes(Draws& draws) const;
 
-  Config config_;
   capture::Codes codes_;
   std::vector<capture::Codes> known_;
-  std::optional<capture::SensorProfile> camera_;
-  Dataset dataset_;
   std::vector<size_t> real_;  ///< numbers of scenes for training
-  torch::Device device_;
   std::unique_ptr<KnownScenes> scenes_;
-  uint64_t pool_end_ = 0;  ///< number of scenes drawn since step 0
   std::deque<KnownScene> pool_;
 };
 

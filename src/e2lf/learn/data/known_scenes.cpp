@@ -9,7 +9,7 @@
 
 #include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/data/draws.h"
-#include "e2lf/learn/data/surfaces.h"
+#include "e2lf/learn/data/synthesiser.h"
 
 namespace e2lf::learn {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
-#include "e2lf/learn/data/surfaces.h"
+#include "e2lf/learn/data/synthesiser.h"
 
 namespace e2lf::learn {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/data/pattern_draws.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,7 @@
 
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/options.h"
+#include "e2lf/learn/data/draws.h"
 #include "e2lf/model/model.h"
 
 namespace e2lf::learn {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-// Implements render_view() of surfaces.h.
+// Implements render_view() of synthesiser.h.
 #include <algorithm>
 #include <array>
 #include <vector>
 
-#include "e2lf/learn/data/surfaces.h"
+#include "e2lf/learn/data/synthesiser.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "e2lf/learn/data/view_renderer.cpp"

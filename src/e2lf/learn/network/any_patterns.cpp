@@ -7,13 +7,13 @@
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
-#include "e2lf/learn/network/geometry_operations.h"
-#include "e2lf/learn/network/levels.h"
+#include "e2lf/learn/network/network_module.h"
+#include "e2lf/model/layer_list.h"
 
 namespace e2lf::learn {
 namespace {
 
-using model::Network;
+using model::LayerList, model::Network;
 
 constexpr int64_t kGroups = 3;       // of inputs: cumulative counts, levels, intensities
 constexpr int64_t kIntensities = 2;  // the last group
@@ -64,6 +64,18 @@ torch::Tensor of_its_kind(const torch::Tensor& x) {
   std::vector<torch::Tensor> chosen;
   for (int64_t p = 0; p < x.size(1); ++p) chosen.push_back(x.select(1, p).select(1, std::min(p, kKinds - 1)));
   return torch::stack(chosen, 1);
+}
+
+/// All channels of the input of a network of disparity [batch, channel, y, x].
+torch::Tensor all_channels(const DepthInputs& inputs) {
+  const int64_t height = inputs.cycles.size(1), width = inputs.cycles.size(2);
+  const auto camera = inputs.conditioning.unsqueeze(2).unsqueeze(3).repeat({1, 1, height, width});
+  camera.select(1, capture::kCyclesCondition).copy_(inputs.cycles);
+  return torch::cat({inputs.groups.flatten(1, 2), camera}, 1);
+}
+
+torch::Tensor matrix(const std::vector<float>& values, int64_t rows, const torch::Tensor& like) {
+  return torch::tensor(at::ArrayRef<float>(values)).reshape({rows, -1}).to(like);
 }
 
 }  // namespace
@@ -135,7 +147,7 @@ Network depth_network(const std::vector<size_t>& widths, size_t num_inputs) {
        .inputs = {"features"},
        .kernel = kWindow,
        .attributes = {{"disparities", compared_disparities()}, {"offsets", std::vector<double>(2 * kPictures, 0.0)}}});
-  x = add_levels(layers, x, widths, [&](const std::string& half) { return add_evidence(layers, half, widths[1]); });
+  x = layers.levels(x, widths, {}, [&](const std::string& half) { return add_evidence(layers, half, widths[1]); });
   x = layers.conv("head", x, 4 * model::kDepthOutputs, 3);
   layers.add({.name = "output", .op = model::Op::kPixelShuffle, .inputs = {x}, .stride = 2});
   return network;
@@ -241,6 +253,37 @@ void AnyPatternsModule::store(const NamedTensors& weights, model::Model& model) 
     const auto sizes = weights.at(name).sizes();
     model.any_patterns[name] = {{sizes.begin(), sizes.end()}, values};
   }
+}
+
+Network picture_network(const std::vector<size_t>& widths) {
+  Network network{model::kCentralPlanes, {}};
+  LayerList layers{network};
+  layers.conv("stem", "input", widths[0], 2, 2);
+  network.layers.back().relu = true;
+  const std::string x = layers.levels(layers.conv("start", "stem", widths[0]), widths);
+  layers.add({.name = "sharp", .op = model::Op::kPixelShuffle, .inputs = {layers.conv("head", x, 4)}, .stride = 2});
+  return network;
+}
+
+CentralPictures move_to_centre(const DepthInputs& inputs, const torch::Tensor& disparity,
+                               const std::vector<model::CentralInput>& central) {
+  const auto channels = all_channels(inputs);
+  std::vector<torch::Tensor> planes, bases;
+  for (int64_t i = 0; i < channels.size(0); ++i) {
+    const model::CentralInput& from = central[static_cast<size_t>(i)];
+    const std::vector<int64_t> numbers(from.moved.begin(), from.moved.end());
+    const auto own = channels[i], own_disparity = disparity[i];
+    const auto pictures =
+        own.index_select(0, torch::tensor(at::ArrayRef<int64_t>(numbers), torch::kLong).to(own.device()));
+    const model::Layer warp = model::warp_to_centre(from.offsets);
+    const auto moved = apply_warp({warp, {pictures.unsqueeze(0), own_disparity.unsqueeze(0)}, nullptr})[0];
+    const auto all = torch::cat({own, moved, own_disparity}).flatten(1);
+    const auto bias = matrix(from.bias, model::kCentralPlanes, all);
+    planes.push_back(torch::addmm(bias, matrix(from.weight, model::kCentralPlanes, all), all)
+                         .unflatten(1, {own.size(1), own.size(2)}));
+    bases.push_back(torch::matmul(matrix(from.base, 1, all), moved.flatten(1)).reshape({own.size(1), own.size(2)}));
+  }
+  return {torch::stack(planes), torch::stack(bases)};
 }
 
 }  // namespace e2lf::learn

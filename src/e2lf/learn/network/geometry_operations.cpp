@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/network/geometry_operations.h"
-
 #include <algorithm>
 #include <span>
 #include <torch/torch.h>
 
 #include "e2lf/geometry/shift.h"
+#include "e2lf/learn/network/network_module.h"
 
 namespace e2lf::learn {
 namespace {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/learn/network/geometry_operations.h"
-
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
 #include "e2lf/engine/engine.h"
 #include "e2lf/geometry/operations.h"
+#include "e2lf/learn/network/network_module.h"
 #include "testing/test_networks.h"
 
 namespace e2lf::learn {

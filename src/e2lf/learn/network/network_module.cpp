@@ -8,7 +8,6 @@
 #include "e2lf/base/text.h"
 #if E2LF_LEARN_KERNELS
 #include "e2lf/geometry/operations.h"
-#include "e2lf/learn/network/geometry_operations.h"
 #endif
 
 namespace e2lf::learn {

@@ -15,7 +15,7 @@
 #include "e2lf/files/safetensors.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/learn/data/depth_batches.h"
-#include "e2lf/learn/data/pattern_draws.h"
+#include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/network/any_patterns.h"
 #include "e2lf/learn/run/task.h"
 #include "e2lf/learn/run/trainer.h"

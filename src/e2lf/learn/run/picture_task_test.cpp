@@ -10,9 +10,8 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/geometry/any_patterns.h"
-#include "e2lf/geometry/central_picture.h"
 #include "e2lf/geometry/operations.h"
-#include "e2lf/learn/network/central_pictures.h"
+#include "e2lf/learn/network/any_patterns.h"
 #include "e2lf/learn/run/trainer.h"
 
 namespace e2lf::learn {

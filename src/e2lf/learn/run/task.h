@@ -57,11 +57,8 @@ class Task {
 
   [[nodiscard]] virtual LogFigures figures() const = 0;
 
-  /// Returns the names of the scenes for evaluation: those of data.validation, or synthesised ones if there are none.
-  [[nodiscard]] virtual const std::vector<std::string>& validation() const = 0;
-
-  /// Returns the camera of sensor.camera, or nothing if none is set.
-  [[nodiscard]] virtual const std::optional<capture::SensorProfile>& camera() const = 0;
+  /// Returns the data, the scenes for evaluation and the camera of the run.
+  [[nodiscard]] virtual const SampleSource& samples() const = 0;
 };
 
 /// Opens the task of a configuration: reads the data and initialises the network. Sets patterns.num_patterns where it
@@ -71,8 +68,8 @@ class Task {
 /// Opens the task of networks of views, and those of networks of disparity and of the central picture for any patterns.
 [[nodiscard]] Result<std::unique_ptr<Task>> open_views_task(const Config& config, Dataset dataset,
                                                             torch::Device device);
-[[nodiscard]] Result<std::unique_ptr<Task>> open_depth_task(Config& config, Dataset dataset, torch::Device device);
-[[nodiscard]] Result<std::unique_ptr<Task>> open_picture_task(Config& config, Dataset dataset, torch::Device device);
+[[nodiscard]] Result<std::unique_ptr<Task>> open_any_patterns_task(Config& config, Dataset dataset,
+                                                                   torch::Device device);
 
 /// An error of a disparity that counts as wrong, px per view step.
 inline constexpr double kWrongDisparity = 0.2;

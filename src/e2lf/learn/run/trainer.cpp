@@ -2,6 +2,7 @@
 #include "e2lf/learn/run/trainer.h"
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <numbers>
@@ -11,7 +12,8 @@
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
-#include "e2lf/learn/data/pattern_draws.h"
+#include "e2lf/files/safetensors.h"
+#include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/events/event_simulation.h"
 #include "e2lf/learn/run/torch_setup.h"
 
@@ -66,6 +68,33 @@ SceneScore mean_score(const std::vector<SceneScore>& scores) {
     mean.events_per_pixel += score.events_per_pixel / static_cast<double>(scores.size());
   }
   return mean;
+}
+
+constexpr const char* kCheckpointVersion = "1";
+
+void add_tensors(Safetensors& file, const std::string& prefix, const NamedTensors& tensors) {
+  for (const auto& [name, tensor] : tensors) {
+    const auto values = tensor.detach().to(torch::kCPU, torch::kFloat).contiguous();
+    std::vector<size_t> shape(values.sizes().begin(), values.sizes().end());
+    file.tensors[prefix + name] =
+        make_npy<float>(shape, std::span<const float>(values.data_ptr<float>(), static_cast<size_t>(values.numel())));
+  }
+}
+
+Result<void> take_tensors(const Safetensors& file, const std::string& prefix, const NamedTensors& tensors,
+                          const std::string& location) {
+  torch::NoGradGuard no_grad;
+  for (const auto& [name, tensor] : tensors) {
+    E2LF_ASSIGN_OR_RETURN(const e2lf::Tensor* stored, file.find(prefix + name, location));
+    if (static_cast<int64_t>(stored->num_elements()) != tensor.numel()) {
+      return fail(ErrorCode::kShape, location, "\"", prefix, name,
+                  "\" has another shape; resume with the network of the run");
+    }
+    E2LF_ASSIGN_OR_RETURN(const auto values, stored->to_float(location));
+    auto target = tensor;
+    target.copy_(torch::tensor(at::ArrayRef<float>(values)).reshape(tensor.sizes()));
+  }
+  return {};
 }
 
 }  // namespace
@@ -239,7 +268,7 @@ Result<std::vector<SceneScore>> Trainer::evaluate(const std::vector<std::string>
 std::vector<capture::SensorProfile> Trainer::cameras() const {
   std::vector<capture::SensorProfile> list(1);
   list.front().constants = config_.sensor.nominal;
-  if (task_->camera()) list.push_back(*task_->camera());
+  if (task_->samples().camera()) list.push_back(*task_->samples().camera());
   return list;
 }
 
@@ -261,7 +290,7 @@ Result<void> Trainer::log_evaluation(const RunLog& log) const {
   const uint64_t samples = step_ * config_.train.batch;
   std::vector<SceneScore> all;
   for (const capture::SensorProfile& camera : cameras()) {
-    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(task_->validation(), camera));
+    E2LF_ASSIGN_OR_RETURN(const auto scores, evaluate(task_->samples().validation(), camera));
     all.insert(all.end(), scores.begin(), scores.end());
   }
   if (!peers_.leads()) return {};
@@ -318,6 +347,42 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   return {};
 }
 
+std::vector<std::pair<const char*, const NamedTensors*>> Trainer::state() const {
+  return {{"weights/", &parameters()},
+          {"average/", &average_},
+          {"momentum/", &muon_.momenta()},
+          {"first/", &adam_.first_moments()},
+          {"second/", &adam_.second_moments()},
+          {"", &pattern_parameters_},
+          {"first/", &pattern_adam_.first_moments()},
+          {"second/", &pattern_adam_.second_moments()}};
+}
+
+Result<void> Trainer::save_checkpoint(const std::filesystem::path& path) const {
+  Safetensors file;
+  for (const auto& [prefix, tensors] : state()) add_tensors(file, prefix, *tensors);
+  file.metadata = {
+      {"version", kCheckpointVersion}, {"step", std::to_string(step_)}, {"config", json_line(to_json(config_))}};
+  return write_safetensors(path, file);
+}
+
+Result<void> Trainer::load_checkpoint(const std::filesystem::path& path) {
+  E2LF_ASSIGN_OR_RETURN(const auto file, read_safetensors(path));
+  const auto version = file.metadata.find("version"), step = file.metadata.find("step");
+  if (version == file.metadata.end() || version->second != kCheckpointVersion || step == file.metadata.end()) {
+    return fail(ErrorCode::kFormat, path, "this is not a training checkpoint of this version; choose another file");
+  }
+  const std::string location = path.string();
+  for (const auto& [prefix, tensors] : state()) {
+    E2LF_RETURN_IF_ERROR(take_tensors(file, prefix, *tensors, location));
+  }
+  const std::string& number = step->second;
+  if (std::from_chars(number.data(), number.data() + number.size(), step_).ec != std::errc()) {
+    return fail(ErrorCode::kFormat, location, "the step of this checkpoint is not a number; choose another checkpoint");
+  }
+  return {};
+}
+
 Result<model::Model> Trainer::to_model() const {
   model::Model model;
   model.name = config_.name;
@@ -328,7 +393,7 @@ Result<model::Model> Trainer::to_model() const {
   model.black_first = capture::is_black_first(*model.codes);  // the first pattern may have been learned to be black
   if (!config_.patterns.in_model) model.codes.reset();
   model.constants = config_.sensor.nominal;
-  model.camera = task_->camera();
+  model.camera = task_->samples().camera();
   model.input = config_.input;
   model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
   return task_->complete(std::move(model), average_);
