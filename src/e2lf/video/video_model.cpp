@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "e2lf/files/file.h"
@@ -211,6 +212,17 @@ void apply_frame_tone(FrameTone tone, std::span<float> frame) {
       break;
   }
   for (float& value : frame) value = std::clamp(value, 0.0F, 1.0F);
+}
+
+void add_operations() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    for (const engine::Operation& operation :
+         {attention(), bilinear_upsampling(), conv_gru(), conv_lstm(), dynamic_filter(), hyperbolic_tangent(),
+          layer_norm(), position_code(), previous_output()}) {
+      engine::add_operation(operation);
+    }
+  });
 }
 
 }  // namespace e2lf::video
