@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string_view>
+
 #include "e2lf/depth/disparity.h"
 #include "e2lf/lightfield/image.h"
 
@@ -23,5 +25,10 @@ namespace e2lf::depth {
 
 /// Returns the same range of a map whose pixels are all certain.
 [[nodiscard]] DisparityRange shown_range(const lightfield::Image& disparity);
+
+/// Returns the text in DejaVu Sans, black on white, as a grey image of this height, from the ascenders to the
+/// descenders. Only digits, '-', '.', ' ' and the letters of "near", "far" and "px per view step" exist; any other
+/// character, and a height of 0 or above 64, breaks the contract.
+[[nodiscard]] lightfield::Image text_picture(std::string_view text, size_t height);
 
 }  // namespace e2lf::depth

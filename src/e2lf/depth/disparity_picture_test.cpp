@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "e2lf/depth/legend.h"
-
 namespace e2lf::depth {
 namespace {
 
