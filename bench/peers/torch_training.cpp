@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "peers/torch_training.h"
-
 #include <chrono>
 #include <string>
 #include <torch/torch.h>
+
+#include "peers/torch_peer.h"
 
 namespace {
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "bench/program/parts.h"
-#include "bench/program/report.h"
-#include "bench/program/verbs.h"
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/bundled_files.h"
@@ -235,10 +233,7 @@ BenchReport camera_report(const Json& json) {
           {table}};
 }
 
-Result<void> bench(const CameraBench& options, const std::vector<fs::path>& report_names, const Verb& verb) {
-  std::vector<fs::path> inputs = options.scenes;
-  inputs.insert(inputs.end(), options.models.begin(), options.models.end());
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, inputs)));
+Result<Json> bench(const CameraBench& options, const Verb& verb) {
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
   if (!camera.is_pixel()) {
@@ -248,8 +243,7 @@ Result<void> bench(const CameraBench& options, const std::vector<fs::path>& repo
   }
   E2LF_ASSIGN_OR_RETURN(const auto models, read_models(options, record));
   E2LF_ASSIGN_OR_RETURN(const auto scenes, read_scenes(options));
-  E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, models, scenes, verb.common().quiet));
-  return finish(verb, json, camera_report(json), reports);
+  return measure(options, camera, models, scenes, verb.common().quiet);
 }
 
 }  // namespace
@@ -259,9 +253,7 @@ int run_camera(const std::vector<std::string>& arguments) {
             "Measure the cost of each imperfection of a camera in PSNR for each model, after a fit of the brightness.",
             "e2lf-bench camera scene/ -m e2lf-n4");
   CameraBench options;
-  std::vector<fs::path> report_names;
   CLI::App& app = verb.app();
-  add_report_option(app, report_names);
   app.add_option("scenes,-i,--input", options.scenes, "light fields of any format e2lf reads")->required();
   add_model_option(app, "-m,--model", options.models, "model files or bundled models; default: e2lf-n4");
   add_codes_option(app, options.codes, "patterns for models that contain none");
@@ -273,13 +265,18 @@ int run_camera(const std::vector<std::string>& arguments) {
       ->check(CLI::IsMember({"auto", "float32", "bfloat16", "int16"}))
       ->capture_default_str();
   add_camera_option(app, options.camera, "the camera; default: evk4-lcos");
-  return verb.run(arguments, [&]() -> Result<void> {
+  const auto measure_all = [&]() -> Result<Json> {
     if (options.models.empty()) {
       const auto path = bundled_model();
       if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
       options.models.push_back(*path);
     }
-    return bench(options, report_names, verb);
+    return bench(options, verb);
+  };
+  return run_bench(verb, arguments, measure_all, camera_report, [&] {
+    std::vector<fs::path> inputs = options.scenes;
+    inputs.insert(inputs.end(), options.models.begin(), options.models.end());
+    return inputs;
   });
 }
 

@@ -5,8 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "bench/program/report.h"
-#include "bench/program/verbs.h"
+#include "bench/program/parts.h"
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_error.h"
 #include "e2lf/depth/view_order.h"
@@ -75,7 +74,7 @@ Result<Json> measure(DepthScene scene) {
   return json;
 }
 
-BenchReport depth_report(const Json& scenes) {
+BenchReport depth_report(const Json& json) {
   report::Table table{"The order of the views according to the occlusions, for the views as they are and turned.",
                       {{"scene"},
                        {"bad at 0.2 px, %", true},
@@ -85,7 +84,7 @@ BenchReport depth_report(const Json& scenes) {
                        {"as it is"},
                        {"turned"}},
                       {}};
-  for (const Json& scene : scenes) {
+  for (const Json& scene : json["scenes"]) {
     std::vector<report::Cell> row = {report::text_cell(scene["scene"].get<std::string>())};
     const Json error = scene.value("error", Json::object());
     for (const auto& [figure, decimals] :
@@ -109,20 +108,6 @@ BenchReport depth_report(const Json& scenes) {
       {table}};
 }
 
-Result<void> bench(const std::vector<fs::path>& paths, const std::vector<fs::path>& report_names, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(report_names, output_rules(verb, paths)));
-  ProgressBar bar("depth", verb.common().quiet);
-  Json scenes = Json::array();
-  E2LF_ASSIGN_OR_RETURN(scenes.emplace_back(), measure(demo()));
-  for (const fs::path& path : paths) {
-    bar.update(scenes.size(), paths.size() + 1);
-    E2LF_ASSIGN_OR_RETURN(DepthScene scene, read(path));
-    E2LF_ASSIGN_OR_RETURN(scenes.emplace_back(), measure(std::move(scene)));
-  }
-  hide_progress();
-  return finish(verb, {{"scenes", scenes}}, depth_report(scenes), reports);
-}
-
 }  // namespace
 
 int run_depth(const std::vector<std::string>& arguments) {
@@ -130,11 +115,20 @@ int run_depth(const std::vector<std::string>& arguments) {
             "Measure the errors of disparity maps for the demo scene and for light fields with true disparities, and "
             "determine the order of the views from occlusions.",
             "e2lf-bench depth scene/");
-  std::vector<fs::path> scenes, report_names;
-  CLI::App& app = verb.app();
-  add_report_option(app, report_names);
-  app.add_option("scenes,-i,--input", scenes, "light fields of any format e2lf reads");
-  return verb.run(arguments, [&]() -> Result<void> { return bench(scenes, report_names, verb); });
+  std::vector<fs::path> paths;
+  verb.app().add_option("scenes,-i,--input", paths, "light fields of any format e2lf reads");
+  const auto measure_all = [&]() -> Result<Json> {
+    ProgressBar bar("depth", verb.common().quiet);
+    Json scenes = Json::array();
+    E2LF_ASSIGN_OR_RETURN(scenes.emplace_back(), measure(demo()));
+    for (const fs::path& path : paths) {
+      bar.update(scenes.size(), paths.size() + 1);
+      E2LF_ASSIGN_OR_RETURN(DepthScene scene, read(path));
+      E2LF_ASSIGN_OR_RETURN(scenes.emplace_back(), measure(std::move(scene)));
+    }
+    return Json{{"scenes", std::move(scenes)}};
+  };
+  return run_bench(verb, arguments, measure_all, depth_report, [&] { return paths; });
 }
 
 }  // namespace e2lf::bench

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "bench/program/peak.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 
+#include "bench/program/parts.h"
 #include "e2lf/base/isa.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/amx-inl.h"

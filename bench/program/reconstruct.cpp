@@ -1,30 +1,37 @@
 // SPDX-License-Identifier: MIT
-#include "bench/program/reconstruct.h"
-
+// e2lf-bench reconstruct: measures the network against oneDNN, libtorch and the peak of the machine.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <map>
 #include <sys/resource.h>
 
 #include "bench/peers/onednn_recnet.h"
 #include "bench/peers/onnx_runtime.h"
-#include "bench/peers/torch_recnet.h"
 #include "bench/program/parts.h"
-#include "bench/program/peak.h"
 #include "e2lf/base/isa.h"
-#include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/info/describe.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {
+using namespace program;
 namespace {
 
 using engine::Engine;
 using engine::Precision;
+
+struct ReconstructBench {
+  size_t height = 720;
+  size_t width = 1280;
+  size_t runs = 3;                      ///< of each precision and of each peer; figures are medians
+  std::optional<model::Model> model;    ///< absent: the paper's network for N = 4 with random weights
+  std::filesystem::path onnx_packages;  ///< with the npm package onnxruntime-node, a peer; empty = without it
+};
 
 model::Model paper_model() {
   model::Model model;
@@ -53,15 +60,29 @@ double snr_db(const std::vector<float>& signal, const std::vector<float>& other)
   return 10.0 * std::log10(squares / errors);
 }
 
+/// Measures the speed of the reconstruction network on an image of noise: every precision the CPU has, the machine's
+/// peak in a multiply-add loop, and the peers that this build has, in this same process with the same threads: for the
+/// paper's network oneDNN in float32 and bfloat16, with the instruction set in use; for networks whose layers the peer
+/// knows libtorch in float32; for all networks ONNX Runtime in a process of its own. Operations count multiply-adds of
+/// the network as written, twice each. Fails as Engine::create does.
+///
+/// {"image": [720, 1280], "threads": 2, "isa": "avx512", "gmac": 873,
+///  "peak_gflops": {"float32": .., "bfloat16": ..},
+///  "float32": {"seconds": {"median", "min", "max"}, "gflops", "share_of_peak", "kernels": [..], "times_onednn",
+///              "times_libtorch", "times_onnx_runtime"},
+///  "bfloat16": the same with "snr_to_float32_db", "int16": the same, with its share of the peak of float32,
+///  "peak_memory_mib": of the process after the float32 runs,
+///  "peers": {"onednn": {"name", "float32": {"seconds": {..}, "gflops", "share_of_peak", "snr_to_float32_db"},
+///                       "bfloat16": {..}}, "libtorch": {..}, "onnx_runtime": {..}},
+///   each {"absent": "why"} where it did not run}
+/// The speed of bfloat16 is compared with that of a peer in bfloat16 if it has it, and otherwise in float32.
 class Bench {
  public:
-  Bench(const ReconstructBench& options, const ProgressFn& progress)
-      : options_(options), progress_(progress), model_(options.model ? *options.model : paper_model()) {
+  Bench(const ReconstructBench& options, ProgressFn progress)
+      : options_(options), progress_(std::move(progress)), model_(options.model ? *options.model : paper_model()) {
     const size_t pixels = options_.height * options_.width;
     operations_ = 2.0 * model::macs_per_pixel(model_.network) * static_cast<double>(pixels);
-    const CounterRng rng(2, 0);
-    input_.resize(model_.network.input_channels * pixels);
-    for (size_t i = 0; i < input_.size(); ++i) input_[i] = static_cast<float>(rng.below(i, 17)) / 8.0F - 1.0F;
+    input_ = noise_input(model_.network, options_.height, options_.width);
     output_.resize(model::infer_shapes(model_.network).value().back().channels * pixels);
   }
 
@@ -92,16 +113,15 @@ class Bench {
  private:
   void advance() {
     const size_t precisions = 1 + (engine::bfloat16_supported() ? 1 : 0) + (engine::int16_supported() ? 1 : 0);
-    if (progress_) progress_(++done_, options_.runs * precisions);
+    progress_(++done_, options_.runs * precisions);
   }
 
   Result<void> run_engine(Precision precision) {
     E2LF_ASSIGN_OR_RETURN(const Engine engine, Engine::create(model_.network, model_.weights, {precision}));
     std::vector<double> seconds;
     for (size_t i = 0; i < options_.runs; ++i) {
-      const auto begin = std::chrono::steady_clock::now();
-      E2LF_RETURN_IF_ERROR(engine.run(input_, options_.height, options_.width, output_));
-      seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+      const auto run = [&] { return engine.run(input_, options_.height, options_.width, output_); };
+      E2LF_ASSIGN_OR_RETURN(seconds.emplace_back(), seconds_of(run));
       advance();
     }
     Json row = speed(precision, seconds);
@@ -134,45 +154,28 @@ class Bench {
     return {{"name", ran->name}, {"float32", speed(Precision::kFloat32, ran->seconds)}};
   }
 
-  /// The function of a peer for the paper's network; if there is none, null with the reason.
-  template <class Function>
-  Function* find(const char* module, const char* function, std::string& absent) const {
-    if (model_.network != model::recnet(model_.network.input_channels)) {
-      absent = "the peer knows only the paper's network";
-      return nullptr;
-    }
-    return reinterpret_cast<Function*>(find_in_peer(module, function, absent));
+  Json run_libtorch() {
+    const TorchRuns ran = bench::run_libtorch(model_.network, model_.weights, options_.height, options_.width,
+                                              options_.runs, input_, output_);
+    if (!ran.absent.empty()) return {{"absent", ran.absent}};
+    return {{"name", ran.name}, {"float32", peer_speed(Precision::kFloat32, ran.seconds)}};
   }
 
-  Json run_libtorch() {
-    std::string absent;
-    const auto recnet = find<decltype(e2lf_torch_recnet)>("e2lf_torch_peer.so", "e2lf_torch_recnet", absent);
-    const auto version = find<decltype(e2lf_torch_version)>("e2lf_torch_peer.so", "e2lf_torch_version", absent);
-    if (recnet == nullptr || version == nullptr) return {{"absent", absent}};
-    const Json row = run_peer(Precision::kFloat32, recnet);
-    if (row.contains("absent")) return row;
-    return {{"name", cat("libtorch ", version())}, {"float32", row}};
+  Json peer_speed(Precision precision, const std::vector<double>& seconds) const {
+    Json row = speed(precision, seconds);
+    row["snr_to_float32_db"] = snr_db(exact_, output_);
+    return row;
   }
 
   Json run_onednn() {
-    std::string absent;
-    const auto recnet = find<decltype(e2lf_onednn_recnet)>("e2lf_onednn_peer.so", "e2lf_onednn_recnet", absent);
-    const auto version = find<decltype(e2lf_onednn_version)>("e2lf_onednn_peer.so", "e2lf_onednn_version", absent);
-    if (recnet == nullptr || version == nullptr) return {{"absent", absent}};
-    Json peer = {{"name", cat("oneDNN ", version())}};
-    for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
-      const int bfloat16 = precision == Precision::kBfloat16 ? 1 : 0;
-      if (bfloat16 != 0 && !engine::bfloat16_supported()) continue;
-      const Json row =
-          run_peer(precision, [&](const E2lfRecnetJob* job) { return recnet(job, bfloat16, current_isa().c_str()); });
-      if (row.contains("absent")) return row;
-      peer[word_of(precision, engine::kPrecisions)] = row;
+    if (model_.network != model::recnet(model_.network.input_channels)) {
+      return {{"absent", "the peer knows only the paper's network"}};
     }
-    return peer;
-  }
-
-  template <class Recnet>
-  Json run_peer(Precision precision, const Recnet& recnet) {
+    std::string absent;
+    const auto find = [&](const char* function) { return find_in_peer("e2lf_onednn_peer.so", function, absent); };
+    const auto recnet = reinterpret_cast<decltype(&e2lf_onednn_recnet)>(find("e2lf_onednn_recnet"));
+    const auto version = reinterpret_cast<decltype(&e2lf_onednn_version)>(find("e2lf_onednn_version"));
+    if (recnet == nullptr || version == nullptr) return {{"absent", absent}};
     std::vector<size_t> out_channels, kernels;
     std::vector<const float*> weights, biases;
     for (const model::Layer& layer : model_.network.layers) {
@@ -187,14 +190,18 @@ class Bench {
                             options_.height, options_.width,      input_.data(),
                             output_.data(),  num_threads(),       options_.runs,
                             seconds.data()};
-    if (const char* error = recnet(&job)) return {{"absent", error}};
-    Json row = speed(precision, seconds);
-    row["snr_to_float32_db"] = snr_db(exact_, output_);
-    return row;
+    Json peer = {{"name", cat("oneDNN ", version())}};
+    for (const Precision precision : {Precision::kFloat32, Precision::kBfloat16}) {
+      const int bfloat16 = precision == Precision::kBfloat16 ? 1 : 0;
+      if (bfloat16 != 0 && !engine::bfloat16_supported()) continue;
+      if (const char* error = recnet(&job, bfloat16, current_isa().c_str())) return {{"absent", error}};
+      peer[word_of(precision, engine::kPrecisions)] = peer_speed(precision, seconds);
+    }
+    return peer;
   }
 
   const ReconstructBench& options_;
-  const ProgressFn& progress_;
+  ProgressFn progress_;
   model::Model model_;
   double operations_ = 0.0;
   std::map<Precision, double> peak_flops_;
@@ -203,21 +210,74 @@ class Bench {
   Json report_;
 };
 
-Result<void> check(const ReconstructBench& options) {
-  const size_t multiple = options.model ? model::size_multiple(options.model->network) : 1;
-  for (const auto& [name, size] : {std::pair("--width", options.width), std::pair("--height", options.height)}) {
-    if (size > 0 && size % multiple == 0) continue;
-    return Error{ErrorCode::kInvalidValue, cat(size, " pixels; this network needs a multiple of ", multiple), name};
+BenchReport reconstruct_report(const Json& json) {
+  report::Table table{"Medians. GFLOP/s count the network's multiplications and additions.",
+                      {{"arithmetic"},
+                       {"seconds", true},
+                       {"GFLOP/s", true},
+                       {"of the peak, %", true},
+                       {"times oneDNN", true},
+                       {"times libtorch", true},
+                       {"times ONNX Runtime", true}},
+                      {}};
+  BenchReport found{"Speed of reconstruction",
+                    cat(json["network"].get<std::string>(), ", ", json_line(json["image"]), " px, ",
+                        json["threads"].get<int>(), " threads, ", json["isa"].get<std::string>())};
+  const auto add = [&](const std::string& name, const Json& row) {
+    table.rows.push_back({report::text_cell(name), number_of(row, "seconds", 3), number_of(row, "gflops", 0),
+                          number_of(row, "share_of_peak", 0, 100), number_of(row, "times_onednn", 2),
+                          number_of(row, "times_libtorch", 2), number_of(row, "times_onnx_runtime", 2)});
+  };
+  const auto add_precisions = [&](const std::string& name, const Json& rows) {
+    for (const char* precision : {"float32", "bfloat16", "int16"}) {
+      if (rows.contains(precision)) add(name + precision, rows[precision]);
+    }
+  };
+  add_precisions("", json);
+  for (const auto& [name, peer] : json["peers"].items()) {
+    if (peer.contains("absent"))
+      found.note += cat("no ", name, ": ", peer["absent"].get<std::string>(), "\n");
+    else
+      add_precisions(peer["name"].get<std::string>() + " ", peer);
   }
-  if (options.runs > 0) return {};
-  return Error{ErrorCode::kInvalidValue, "the number of runs must be at least 1", "--runs"};
+  found.note += cat("multiply-add peak of this machine, GFLOP/s: ", json_line(json["peak_gflops"]), "; peak memory ",
+                    std::lround(json["peak_memory_mib"].get<double>()), " MiB");
+  found.tables = {std::move(table)};
+  return found;
 }
 
 }  // namespace
 
-Result<Json> bench_reconstruct(const ReconstructBench& options, const ProgressFn& progress) {
-  E2LF_RETURN_IF_ERROR(check(options));
-  return Bench(options, progress).run();
+int run_reconstruct(const std::vector<std::string>& arguments) {
+  Verb verb("reconstruct",
+            "Measure the reconstruction network against oneDNN, libtorch and the machine's multiply-add peak, in the "
+            "same run.",
+            "e2lf-bench reconstruct --json");
+  ReconstructBench options;
+  std::filesystem::path model;
+  add_size_options(verb, options.width, options.height);
+  verb.app()
+      .add_option("--runs", options.runs, "of each; figures are medians")
+      ->check(whole_number(1))
+      ->capture_default_str();
+  add_model_option(verb.app(), "-m,--model", model,
+                   "model file or bundled model; default: the paper's network with random weights");
+  verb.app().add_option("--onnx", options.onnx_packages,
+                        "measure ONNX Runtime, too: a folder in which npm has installed onnxruntime-node");
+  const auto measure_all = [&]() -> Result<Json> {
+    if (!model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(options.model, model::read_model(model));
+    }
+    const size_t multiple = options.model ? model::size_multiple(options.model->network) : 1;
+    for (const auto& [name, size] : {std::pair("--width", options.width), std::pair("--height", options.height)}) {
+      if (size % multiple == 0) continue;
+      return Error{ErrorCode::kInvalidValue, cat(size, " pixels; this network needs a multiple of ", multiple), name};
+    }
+    ProgressBar bar("bench", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const Json json, Bench(options, bar.callback()).run());
+    return json;
+  };
+  return run_bench(verb, arguments, measure_all, reconstruct_report);
 }
 
 }  // namespace e2lf::bench

@@ -4,8 +4,7 @@
 #include <cstdio>
 #include <numeric>
 
-#include "bench/program/report.h"
-#include "bench/program/verbs.h"
+#include "bench/program/parts.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/cycles/cycle_reader.h"
@@ -167,8 +166,6 @@ int run_rig(const std::vector<std::string>& arguments) {
             "Simulate, encode, decode, accumulate and reconstruct one cycle, and measure the time of each stage.",
             "e2lf-bench rig -m e2lf-n4 --json");
   RigBench options;
-  std::vector<std::filesystem::path> report_names;
-  add_report_option(verb.app(), report_names);
   const CLI::Range pixels(size_t{16}, size_t{16384});
   verb.app().add_option("--width", options.width, "of the sensor in pixels")->check(pixels)->capture_default_str();
   verb.app().add_option("--height", options.height, "of the sensor in pixels")->check(pixels)->capture_default_str();
@@ -180,8 +177,7 @@ int run_rig(const std::vector<std::string>& arguments) {
       ->capture_default_str();
   verb.app().add_option("--scene-gain", options.scene_gain, "brightness of the scene")->capture_default_str();
   add_camera_option(verb.app(), options.camera, "the camera that records; default: evk4-lcos");
-  return verb.run(arguments, [&]() -> Result<void> {
-    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, open_reports(report_names, verb));
+  const auto measure_all = [&]() -> Result<Json> {
     const auto path = options.model.empty() ? bundled_model() : options.model;
     if (!path) return Error{ErrorCode::kNotFound, "no model is bundled; give one with -m", ""};
     E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(*path));
@@ -190,8 +186,9 @@ int run_rig(const std::vector<std::string>& arguments) {
     RunRecord record(verb);
     E2LF_ASSIGN_OR_RETURN(const capture::SensorProfile camera, load_camera(options.camera, record));
     E2LF_ASSIGN_OR_RETURN(const Json json, measure(options, camera, std::move(model)));
-    return finish(verb, json, rig_report(json), reports);
-  });
+    return json;
+  };
+  return run_bench(verb, arguments, measure_all, rig_report);
 }
 
 }  // namespace e2lf::bench

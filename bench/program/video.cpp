@@ -1,28 +1,34 @@
 // SPDX-License-Identifier: MIT
-#include "bench/program/video.h"
-
+// e2lf-bench video: measures networks that make frames of events against libtorch.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <map>
 
-#include "bench/peers/torch_event_video.h"
 #include "bench/program/parts.h"
 #include "e2lf/base/isa.h"
-#include "e2lf/base/rng.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/option_values.h"
+#include "e2lf/terminal/progress_bar.h"
 #include "e2lf/video/operations.h"
+#include "e2lf/video/video_model.h"
 #include "testing/event_video_networks.h"
 
 namespace e2lf::bench {
+using namespace program;
 namespace {
 
 using engine::Engine;
 using engine::Precision;
 using video::VideoOp;
+
+struct VideoBench {
+  size_t width = 640, height = 480;
+  size_t frames = 5;                       ///< timed frames of each network, after one that warms up
+  std::optional<video::VideoModel> model;  ///< empty: FireNet, E2VID's U-Net and ET-Net with random weights
+};
 
 struct NamedNetwork {
   std::string name;
@@ -38,76 +44,6 @@ std::vector<NamedNetwork> networks_of(const VideoBench& options) {
           {"ET-Net, random weights", wide, random_weights(wide)}};
 }
 
-/// The network in the form of the peer; empty if the peer does not support one of its layers.
-class PeerNetwork {
- public:
-  explicit PeerNetwork(const NamedNetwork& named) : weights_(named.weights) {
-    const auto shapes = model::infer_shapes(named.network).value();
-    inputs_.reserve(shapes.size());
-    std::map<std::string, size_t> tensors = {{"input", 0}}, channels = {{"input", named.network.input_channels}};
-    for (size_t i = 0; i < shapes.size(); ++i) {
-      const model::Layer& layer = named.network.layers[i];
-      E2lfTorchVideoLayer peer{};
-      if (!set_op(layer, peer)) {
-        absent_ = cat("the peer does not support layer ", layer.name);
-        return;
-      }
-      std::vector<size_t>& inputs = inputs_.emplace_back();
-      for (const std::string& input : layer.inputs) inputs.push_back(tensors.at(input));
-      peer.inputs = inputs.data();
-      peer.num_inputs = inputs.size();
-      peer.residual = layer.residual.empty() ? 0 : tensors.at(layer.residual) + 1;
-      peer.in_channels = channels.at(layer.inputs[0]);
-      peer.out_channels = layer.out_channels;
-      peer.kernel = layer.kernel;
-      peer.stride = layer.stride;
-      peer.heads = layer.integer("heads", 1);
-      peer.relu = layer.relu ? 1 : 0;
-      tensors[layer.name] = i + 1;
-      channels[layer.name] = shapes[i].channels;
-      layers_.push_back(peer);
-    }
-  }
-
-  [[nodiscard]] const std::vector<E2lfTorchVideoLayer>& layers() const { return layers_; }
-  [[nodiscard]] const std::string& absent() const { return absent_; }
-
- private:
-  bool set_op(const model::Layer& layer, E2lfTorchVideoLayer& peer) const {
-    static const std::map<std::string, E2lfTorchOp> known = {{VideoOp::kConv, kE2lfConv},
-                                                             {VideoOp::kConvGru, kE2lfGru},
-                                                             {VideoOp::kConvLstm, kE2lfLstm},
-                                                             {VideoOp::kUpsampleBilinear, kE2lfBilinear},
-                                                             {VideoOp::kAdd, kE2lfAdd},
-                                                             {VideoOp::kMean, kE2lfMean},
-                                                             {VideoOp::kLayerNorm, kE2lfLayerNorm},
-                                                             {VideoOp::kPositionCode, kE2lfPositionCode},
-                                                             {VideoOp::kAttention, kE2lfAttention},
-                                                             {VideoOp::kSigmoid, kE2lfSigmoid}};
-    const auto found = known.find(layer.op);
-    if (found == known.end() || (layer.relu && layer.op != VideoOp::kConv)) return false;
-    peer.op = found->second;
-    if (layer.op == VideoOp::kConv || layer.op == VideoOp::kLayerNorm) set_weights(layer.name, peer.weight, peer.bias);
-    if (layer.op == VideoOp::kConvGru || layer.op == VideoOp::kConvLstm) {
-      set_weights(layer.name + ".gates", peer.weight, peer.bias);
-    }
-    if (layer.op == VideoOp::kConvGru) {
-      set_weights(layer.name + ".candidate", peer.candidate_weight, peer.candidate_bias);
-    }
-    return true;
-  }
-
-  void set_weights(const std::string& name, const float*& weight, const float*& bias) const {
-    weight = weights_.at(name + ".weight").data();
-    bias = weights_.at(name + ".bias").data();
-  }
-
-  const model::Weights& weights_;
-  std::vector<std::vector<size_t>> inputs_;
-  std::vector<E2lfTorchVideoLayer> layers_;
-  std::string absent_;
-};
-
 /// Returns the number of multiply-adds of a frame, including those of attention.
 double products(const model::Network& network, size_t height, size_t width) {
   double sum = model::macs_per_pixel(network) * static_cast<double>(height * width);
@@ -120,16 +56,16 @@ double products(const model::Network& network, size_t height, size_t width) {
   return sum;
 }
 
-/// Runs one network on one image with e2lf and with the peer.
+/// Runs one network on one image: in float32 and, if the CPU supports it, bfloat16, relative to libtorch in float32 on
+/// the same input, and the largest difference of the last frame between both in float32. The size is rounded up to
+/// multiples that the network accepts.
 class Bench {
  public:
   Bench(const VideoBench& options, const NamedNetwork& named) : options_(options), named_(named) {
     const size_t multiple = model::size_multiple(named.network);
     height_ = (options.height + multiple - 1) / multiple * multiple;
     width_ = (options.width + multiple - 1) / multiple * multiple;
-    const CounterRng rng(2, 0);
-    input_.resize(named.network.input_channels * height_ * width_);
-    for (size_t i = 0; i < input_.size(); ++i) input_[i] = static_cast<float>(rng.below(i, 17)) / 8.0F - 1.0F;
+    input_ = noise_input(named.network, height_, width_);
     output_.resize(height_ * width_);
   }
 
@@ -156,9 +92,8 @@ class Bench {
     engine::FrameState state;
     std::vector<double> seconds;
     for (size_t i = 0; i <= options_.frames; ++i) {
-      const auto begin = std::chrono::steady_clock::now();
-      E2LF_RETURN_IF_ERROR(engine.run_frame(input_, height_, width_, state, output_));
-      seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+      const auto run = [&] { return engine.run_frame(input_, height_, width_, state, output_); };
+      E2LF_ASSIGN_OR_RETURN(seconds.emplace_back(), seconds_of(run));
     }
     seconds.erase(seconds.begin());
     report_[word_of(precision, engine::kPrecisions)] = {{"seconds", to_json(timing_of(seconds))},
@@ -176,30 +111,13 @@ class Bench {
 
   void run_peer(const std::vector<float>& exact) {
     Json& peer = report_["peer"];
-    const PeerNetwork network(named_);
-    std::string absent = network.absent();
-    void* const found = absent.empty() ? find_in_peer("e2lf_torch_peer.so", "e2lf_torch_event_video", absent) : nullptr;
-    std::vector<double> seconds(options_.frames + 1);
-    if (found != nullptr) {
-      const E2lfTorchVideoJob job{network.layers().size(),
-                                  network.layers().data(),
-                                  named_.network.input_channels,
-                                  height_,
-                                  width_,
-                                  seconds.size(),
-                                  input_.data(),
-                                  output_.data(),
-                                  num_threads(),
-                                  seconds.data()};
-      const char* const problem = reinterpret_cast<decltype(&e2lf_torch_event_video)>(found)(&job);
-      if (problem != nullptr) absent = problem;
-    }
-    if (!absent.empty()) {
-      peer["absent"] = absent;
+    TorchRuns ran = run_libtorch(named_.network, named_.weights, height_, width_, options_.frames + 1, input_, output_);
+    if (!ran.absent.empty()) {
+      peer["absent"] = ran.absent;
       return;
     }
-    seconds.erase(seconds.begin());
-    const Timing timing = timing_of(seconds);
+    ran.seconds.erase(ran.seconds.begin());
+    const Timing timing = timing_of(ran.seconds);
     peer = {
         {"name", "libtorch float32"}, {"seconds", to_json(timing)}, {"largest_difference", largest_difference(exact)}};
     for (const char* precision : {"float32", "bfloat16"}) {
@@ -215,8 +133,6 @@ class Bench {
   Json report_;
 };
 
-}  // namespace
-
 Result<Json> bench_video(const VideoBench& options, const ProgressFn& progress) {
   const std::vector<NamedNetwork> networks = networks_of(options);
   Json report = {{"threads", num_threads()}, {"isa", current_isa()}, {"networks", Json::array()}};
@@ -229,6 +145,66 @@ Result<Json> bench_video(const VideoBench& options, const ProgressFn& progress) 
     report["networks"].push_back(std::move(row));
   }
   return report;
+}
+
+BenchReport video_report(const Json& json) {
+  report::Table table{"Medians of seconds for a frame; ratios to libtorch.",
+                      {{"network"},
+                       {"px", true},
+                       {"float32", true},
+                       {"bfloat16", true},
+                       {"libtorch", true},
+                       {"float32 x", true},
+                       {"bfloat16 x", true}},
+                      {}};
+  BenchReport found{"Speed of networks of frames", cat(json["threads"].get<int>(), " threads, ",
+                                                       json["isa"].get<std::string>(), "; seconds for a frame")};
+  constexpr const char* kKinds[] = {"float32", "bfloat16", "peer"};
+  for (const Json& row : json["networks"]) {
+    const std::string name = row["network"].get<std::string>();
+    std::vector<report::Cell> cells = {
+        report::text_cell(name),
+        report::text_cell(cat(row["image"][1].get<size_t>(), "x", row["image"][0].get<size_t>()))};
+    for (size_t i = 0; i < std::size(kKinds); ++i) {
+      cells.push_back(row.contains(kKinds[i]) ? number_of(row[kKinds[i]], "seconds", 4) : report::Cell());
+    }
+    for (const char* precision : {"float32", "bfloat16"}) {
+      cells.push_back(row.contains(precision) ? number_of(row[precision], "ratio_to_peer", 1) : report::Cell());
+    }
+    table.rows.push_back(std::move(cells));
+    const Json& peer = row["peer"];
+    found.note += cat(found.note.empty() ? "" : "\n", name, ": ");
+    found.note += peer.contains("absent") ? cat("no peer: ", peer["absent"].get<std::string>())
+                                          : cat("largest difference between libtorch and float32 ",
+                                                peer["largest_difference"].get<float>());
+  }
+  found.tables = {std::move(table)};
+  return found;
+}
+
+}  // namespace
+
+int run_video(const std::vector<std::string>& arguments) {
+  Verb verb("video", "Measure networks that make frames of events against libtorch, in the same run.",
+            "e2lf-bench video --json");
+  VideoBench options;
+  std::filesystem::path model;
+  add_size_options(verb, options.width, options.height);
+  verb.app()
+      .add_option("--frames", options.frames, "of each; figures are medians")
+      ->check(whole_number(1, 100000))
+      ->capture_default_str();
+  verb.app().add_option("-m,--model", model,
+                        "model file; default: FireNet, E2VID's network and ET-Net with random weights");
+  const auto measure_all = [&]() -> Result<Json> {
+    if (!model.empty()) {
+      E2LF_ASSIGN_OR_RETURN(options.model, video::read_video_model(model));
+    }
+    ProgressBar bar("bench", verb.common().quiet);
+    E2LF_ASSIGN_OR_RETURN(const Json json, bench_video(options, bar.callback()));
+    return json;
+  };
+  return run_bench(verb, arguments, measure_all, video_report);
 }
 
 }  // namespace e2lf::bench

@@ -8,27 +8,19 @@ the patterns are undecided, "unsure" those with a confidence below 0.3. "motion"
 """
 
 import argparse
-import csv
 import json
-import subprocess
 import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from rigs import CAMERA, CYCLES, PATTERNS, TRIGGERS, run, with_triggers
 
-MODEL, CAMERA, SIDE, CYCLES = "e2lf-n4-camera", "evk4-lcos", 256, 8
+MODEL, SIDE = "e2lf-n4-camera", 256
 SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)  # px per cycle at the rim of the turntable
 
-# The change of the patterns on the aperture [pattern, view_y, view_x], and of the event images [cycle, transition, y, x].
-PATTERNS = {"a2 and a3 exchanged": lambda codes: codes[[0, 2, 1, 3]],
-            "a2 and a4 exchanged": lambda codes: codes[[0, 3, 2, 1]],
-            "a3 and a4 exchanged": lambda codes: codes[[0, 1, 3, 2]],
-            "mirrored patterns": lambda codes: codes[:, :, ::-1],
-            "patterns turned by 90 degrees": lambda codes: np.rot90(codes, axes=(1, 2)),
-            "patterns mirrored and turned by 90 degrees": lambda codes: codes.transpose(0, 2, 1),
-            "patterns turned by 180 degrees": lambda codes: codes[:, ::-1, ::-1]}
+# The change of the event images [cycle, transition, y, x].
 IMAGES = {"right": lambda events: events,
           "inverted polarity": lambda events: -events,
           "event images rotated by one": lambda events: np.roll(events, 1, axis=1),
@@ -39,25 +31,15 @@ EXPECTED = {"inverted polarity": "polarity-inverted", "event images rotated by o
             "last two event images swapped": "order-better-changed"} | \
     {way: "order-better-changed" if "exchanged" in way else "orientation-better-changed" for way in PATTERNS}
 
-# The change of the pulses of a recording, each a row (rising us, falling us).
-TRIGGERS = {"right triggers": (lambda pulses: pulses, ""),
-            "triggers 1 ms late": (lambda pulses: pulses + 1000, "trigger-delay"),
-            "triggers 3 ms late": (lambda pulses: pulses + 3000, "trigger-delay"),
-            "triggers 3 ms early": (lambda pulses: pulses - 3000, "trigger-delay"),
-            "one trigger 500 us late": (lambda pulses: pulses + 500 * (np.arange(len(pulses)) == 21)[:, None],
-                                        "triggers-late"),
-            "every second trigger missing": (lambda pulses: pulses[::2], "triggers-halved"),
-            "one trigger in ten missing": (lambda pulses: pulses[np.arange(len(pulses)) % 10 != 7], "triggers-missing"),
-            "one trigger per cycle": (lambda pulses: pulses[::8], "triggers-of-cycles")}
-
-
-def run(*command: object) -> subprocess.CompletedProcess:
-    return subprocess.run(["e2lf", *map(str, command)], capture_output=True, text=True)
+OF_TRIGGERS = {"right triggers": "", "triggers 1 ms late": "trigger-delay", "triggers 3 ms late": "trigger-delay",
+               "triggers 3 ms early": "trigger-delay", "one trigger 500 us late": "triggers-late",
+               "every second trigger missing": "triggers-halved", "one trigger in ten missing": "triggers-missing",
+               "one trigger per cycle": "triggers-of-cycles"}
 
 
 def simulate(scene: object, output: Path, codes: object, light: float, *options: object) -> None:
     run("simulate", scene, "--codes", codes, "--camera", CAMERA, "--scene-gain", light, "-o", output, *options,
-        "--overwrite", "--quiet").check_returncode()
+        "--overwrite", "--quiet")
 
 
 def middle_of(file: Path) -> dict:
@@ -71,7 +53,7 @@ def middle_of(file: Path) -> dict:
 
 def check_images(way: str, light: float, arrays: dict, folder: Path, found: Counter) -> None:
     np.savez(folder / "events.npz", **arrays)
-    check = json.loads(run("check", folder / "events.npz", "-m", MODEL, "--codes", MODEL, "--json").stdout)
+    check = json.loads(run("check", folder / "events.npz", "-m", MODEL, "--codes", MODEL, "--json", check=False).stdout)
     codes = [finding["code"] for finding in check["findings"]]
     for row in (way, f"{way}, light {light}"):
         found[row, "runs"] += 1
@@ -83,24 +65,10 @@ def check_images(way: str, light: float, arrays: dict, folder: Path, found: Coun
 
 
 def check_triggers(recording: Path, folder: Path, found: Counter) -> None:
-    (folder / "rig_triggers.csv").unlink(missing_ok=True)  # e2lf does not replace what others have changed
-    run("convert", recording, folder / "rig.csv", "--overwrite", "--quiet").check_returncode()
-    rows = list(csv.reader(open(folder / "rig_triggers.csv")))
-    names = [row for row in rows if not row[0].lstrip("-").isdigit()]
-    times = [max(range(len(row)), key=lambda i: int(row[i])) for row in rows[len(names):]]
-    edges = np.array([int(row[time]) for row, time in zip(rows[len(names):], times)]).reshape(-1, 2)
-    size = json.loads(run("info", recording, "--json").stdout)
-    for way, (change, expected) in TRIGGERS.items():
-        pulses = rows[len(names):]
-        with open(folder / "rig_triggers.csv", "w") as file:
-            csv.writer(file).writerows(names)
-            for pulse in change(edges):
-                for edge, time in enumerate(pulse):
-                    row = list(pulses[edge])
-                    row[times[edge]] = str(int(time))
-                    csv.writer(file).writerow(row)
+    for way, expected in OF_TRIGGERS.items():
+        size = with_triggers(recording, TRIGGERS.get(way, lambda pulses: pulses), folder / "rig.csv")
         result = run("accumulate", folder / "rig.csv", "-o", folder / "events.npz", "--source", "triggers", "--json", "--quiet",
-                     "--sensor-width", size["width"], "--sensor-height", size["height"], "--overwrite")
+                     *size, "--overwrite", check=False)
         codes = [finding["code"] for finding in json.loads(result.stdout)["findings"]] if result.returncode == 0 else \
             [result.stderr]
         confidence = json.loads(result.stdout)["least_confidence"] if result.returncode == 0 else 0
@@ -117,8 +85,8 @@ def check_motion(speed: float, folder: Path) -> str:
     rpm = 60 * speed / (2 * np.pi * rim * width * cycle_s)
     whole = "e2lf-n4-cycle-camera"
     run("simulate", "--turntable", rpm, "--width", width, "--height", 120, "-m", whole, "--camera", CAMERA, "--cycles", 4,
-        "-o", folder / "turning.npz", "--overwrite", "--quiet").check_returncode()
-    run("reconstruct", folder / "turning.npz", "-m", whole, "-o", folder / "turned", "--overwrite").check_returncode()
+        "-o", folder / "turning.npz", "--overwrite", "--quiet")
+    run("reconstruct", folder / "turning.npz", "-m", whole, "-o", folder / "turned", "--overwrite")
     cycles = json.loads((folder / "turned" / "run.json").read_text())["notes"]["cycles"]
     motion = [cycle["motion"] for cycle in cycles]
     return f"| {speed} | {min(motion):.3f} | {max(motion):.3f} | {sum(c['transitions'] == 'lit' for c in cycles)} of {len(cycles)} |"
@@ -142,7 +110,7 @@ def main() -> None:
     found: Counter = Counter()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        run("codes", "show", "-m", MODEL, "-o", folder / "codes.npy").check_returncode()
+        run("codes", "show", "-m", MODEL, "-o", folder / "codes.npy")
         codes = np.load(folder / "codes.npy")
         for scene in arguments.scenes if "images" in parts else []:
             for light in lights:
@@ -154,7 +122,7 @@ def main() -> None:
                     np.save(folder / "other.npy", np.ascontiguousarray(change(codes)))
                     simulate(scene, folder / "other.npz", folder / "other.npy", light)
                     check_images(way, light, middle_of(folder / "other.npz"), folder, found)
-        run("demo", "-o", folder / "demo", "--width", 96, "--height", 64).check_returncode()
+        run("demo", "-o", folder / "demo", "--width", 96, "--height", 64)
         for seed in range(arguments.seeds if "triggers" in parts else 0):
             simulate(folder / "demo" / "scene", folder / "rig.raw", MODEL, 1.0, "--cycles", CYCLES, "--seed", seed)
             check_triggers(folder / "rig.raw", folder, found)
@@ -163,7 +131,7 @@ def main() -> None:
             print(*(check_motion(speed, folder) for speed in SPEEDS), sep="\n", flush=True)
     ways = [row for way in [*IMAGES, *PATTERNS] for row in (way, *(f"{way}, light {light}" for light in lights))]
     print_table(found, "stated", ways if "images" in parts else [])
-    print_table(found, "unsure", list(TRIGGERS) if "triggers" in parts else [])
+    print_table(found, "unsure", list(OF_TRIGGERS) if "triggers" in parts else [])
 
 
 if __name__ == "__main__":

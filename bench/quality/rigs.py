@@ -14,12 +14,39 @@ import re
 import subprocess
 import sys
 import tempfile
-from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
 CAMERA, CYCLES = "evk4-lcos", 8
+
+# The change of the patterns on the aperture [pattern, view_y, view_x], and of the pulses of a recording [pulse, edge],
+# each a row [rising, channel, us].
+PATTERNS = {"a2 and a3 exchanged": lambda codes: codes[[0, 2, 1, 3]],
+            "a2 and a4 exchanged": lambda codes: codes[[0, 3, 2, 1]],
+            "a3 and a4 exchanged": lambda codes: codes[[0, 1, 3, 2]],
+            "mirrored patterns": lambda codes: codes[:, :, ::-1],
+            "patterns turned by 90 degrees": lambda codes: np.rot90(codes, axes=(1, 2)),
+            "patterns mirrored and turned by 90 degrees": lambda codes: codes.transpose(0, 2, 1),
+            "patterns turned by 180 degrees": lambda codes: codes[:, ::-1, ::-1]}
+TRIGGERS = {"triggers 1 ms late": lambda pulses: pulses + [0, 0, 1000],
+            "triggers 3 ms late": lambda pulses: pulses + [0, 0, 3000],
+            "triggers 3 ms early": lambda pulses: pulses - [0, 0, 3000],
+            "one trigger 500 us late": lambda pulses: pulses + [0, 0, 500] *
+            (np.arange(len(pulses)) == 21)[:, None, None],
+            "every second trigger missing": lambda pulses: pulses[::2],
+            "one trigger in ten missing": lambda pulses: pulses[np.arange(len(pulses)) % 10 != 7],
+            "one trigger per cycle": lambda pulses: pulses[::8],
+            "triggers on two channels": lambda pulses: np.concatenate([pulses, other_clock(pulses)])}
+WAYS = ["right", "inverted polarity", "a2 and a3 exchanged", "a2 and a4 exchanged", "a3 and a4 exchanged",
+        "mirrored patterns", "patterns turned by 90 degrees", "triggers 3 ms late", "one trigger per cycle",
+        "triggers on two channels", "no triggers"]
+
+
+def other_clock(pulses: np.ndarray) -> np.ndarray:
+    """Returns the pulses of another clock, such as a camera's 30 Hz, on channel 1."""
+    times = np.arange(pulses[0, 0, 2], pulses[-1, -1, 2], 33_333)
+    return np.array([[[edge, 1, t + 400 * (1 - edge)] for edge in (1, 0)] for t in times])
 
 
 def run(*command: object, check: bool = True) -> subprocess.CompletedProcess:
@@ -44,62 +71,34 @@ def simulate(scene: str, codes: object, output: Path, light: float, *options: ob
     strip_setup(output)
 
 
-def with_triggers(recording: Path, change, output: Path) -> None:
-    """Writes the recording with other triggers, each a row [rising, channel, us]."""
-    size = json.loads(run("info", recording, "--json").stdout)
-    table, triggers = output.with_suffix(".csv"), output.with_name(output.stem + "_triggers.csv")
+def with_triggers(recording: Path, change, table: Path) -> list:
+    """Writes the recording as a table of events with other triggers. Returns the options of its size."""
+    triggers = table.with_name(table.stem + "_triggers.csv")
+    triggers.unlink(missing_ok=True)  # e2lf does not replace what others have changed
     run("convert", recording, table, "--overwrite", "--quiet")
-    rows = np.array([list(map(int, row)) for row in list(csv.reader(open(triggers)))[1:]])
-    changed = change(rows)
+    names, *rows = csv.reader(open(triggers))
+    rows = change(np.array(rows, int).reshape(-1, 2, 3)).reshape(-1, 3)
     with open(triggers, "w") as file:
-        csv.writer(file).writerows([["p", "id", "t"], *changed[np.argsort(changed[:, 2], kind="stable")].tolist()])
-    run("convert", table, output, "--sensor-width", size["width"], "--sensor-height", size["height"], "--overwrite",
-        "--quiet")
-    strip_setup(output)
-
-
-def second_channel(rows: np.ndarray) -> np.ndarray:
-    """Adds the pulses of another clock, such as a camera's 30 Hz, on channel 1."""
-    times = np.arange(rows[0, 2], rows[-1, 2], 33_333)
-    pulses = [[edge, 1, t + 400 * (1 - edge)] for t in times for edge in (1, 0)]
-    return np.concatenate([rows, pulses])
-
-
-TRIGGERS = {"triggers 3 ms late": lambda rows: rows + [0, 0, 3000],
-            "one trigger per cycle": lambda rows: rows[(np.arange(len(rows)) // 2) % 8 == 0],
-            "triggers on two channels": second_channel}
-
-
-def patterns(codes: np.ndarray) -> dict:
-    """Returns the patterns on the aperture for each way in which they may be wrong."""
-    ways = {}
-    for i, j in combinations(range(1, len(codes)), 2):
-        order = list(range(len(codes)))
-        order[i], order[j] = j, i
-        ways[f"a{i + 1} and a{j + 1} exchanged"] = codes[order]
-    ways["patterns mirrored"] = codes[:, :, ::-1]
-    ways["patterns turned by 90 degrees"] = np.rot90(codes, axes=(1, 2))
-    return ways
+        csv.writer(file).writerows([names, *rows[np.argsort(rows[:, 2], kind="stable")].tolist()])
+    size = json.loads(run("info", recording, "--json").stdout)
+    return ["--sensor-width", size["width"], "--sensor-height", size["height"]]
 
 
 def make(way: str, scene: str, model: str, folder: Path, light: float) -> Path:
     right, output = folder / "right.raw", folder / f"{way.replace(' ', '_')}.raw"
-    run("codes", "show", "-m", model, "-o", folder / "codes.npy", "--overwrite")
-    changed = patterns(np.load(folder / "codes.npy"))
-    if way in changed:
-        np.save(folder / "shown.npy", np.ascontiguousarray(changed[way]))
+    if way in PATTERNS:
+        np.save(folder / "shown.npy", np.ascontiguousarray(PATTERNS[way](np.load(folder / "codes.npy"))))
         simulate(scene, folder / "shown.npy", output, light)
-    elif way == "no triggers":
-        simulate(scene, model, output, light, "--no-triggers")
+        return output
+    simulate(scene, model, right, light, *(["--no-triggers"] if way == "no triggers" else []))
+    if way == "inverted polarity":
+        run("convert", right, output, "--invert-polarity", "--overwrite", "--quiet")
+    elif way in TRIGGERS:
+        table = output.with_suffix(".csv")
+        run("convert", table, output, *with_triggers(right, TRIGGERS[way], table), "--overwrite", "--quiet")
     else:
-        simulate(scene, model, right, light)
-        if way == "inverted polarity":
-            run("convert", right, output, "--invert-polarity", "--overwrite", "--quiet")
-            strip_setup(output)
-        elif way in TRIGGERS:
-            with_triggers(right, TRIGGERS[way], output)
-        else:
-            output = right
+        return right
+    strip_setup(output)
     return output
 
 
@@ -137,9 +136,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         run("codes", "show", "-m", model, "-o", folder / "codes.npy")
-        ways = ["right", "inverted polarity", *patterns(np.load(folder / "codes.npy")), *TRIGGERS, "no triggers"]
-        if arguments.ways:
-            ways = arguments.ways.split(",")
+        ways = arguments.ways.split(",") if arguments.ways else WAYS
         for scene in arguments.scenes:
             print(f"\n{scene}\n| rig | {' | '.join(arguments.commands.split(','))} |")
             for way in ways:

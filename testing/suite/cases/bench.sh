@@ -45,6 +45,7 @@ done
 check "$(json report.json "all(p.get('absent') or (p['float32']['snr_to_float32_db'] > 100 and p['float32']['share_of_peak'] > 0) for p in j['peers'].values())")"
 check "$(json report.json "all(p['bfloat16']['snr_to_float32_db'] > 30 for p in j['peers'].values() if 'bfloat16' in p)")"
 check "$(json report.json "('bfloat16' in j) == ('bfloat16' in j['peers']['onednn']) or 'absent' in j['peers']['onednn']")"
+check "$(json report.json "j['peak_gflops']['float32'] > 1 and ('bfloat16' in j) == (j['peak_gflops'].get('bfloat16', 0) > 0)")"
 # Without oneDNN's kernels for an instruction set, it is left out.
 E2LF_MAX_ISA=scalar "$E2LF-bench" reconstruct --width 48 --height 32 --runs 1 --json --quiet >scalar.json
 check "$(json scalar.json "'absent' in j['peers']['onednn'] and 'times_onednn' not in j['float32']")"
@@ -63,6 +64,8 @@ done
 for option in width height; do
   fails 2 "--$option" "$E2LF-bench" simulate --$option 0
 done
+"$E2LF-bench" simulate --width 45 --height 31 --seconds 0 --json --quiet >simulation.json
+check "$(json simulation.json "len(j) == 4 and all(v > 0 for row in j.values() for v in row.values())")"
 
 part bench_train
 # Training and synthesis against plain libtorch: every row is there, on as many threads as asked for.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "peers/torch_event_video.h"
-
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <string>
 #include <torch/torch.h>
 #include <vector>
+
+#include "peers/torch_peer.h"
 
 namespace {
 
@@ -31,11 +31,11 @@ struct Convolution {
 
 /// A layer with the state of its cell or with its position code.
 struct Module {
-  E2lfTorchVideoLayer layer{};
+  E2lfTorchLayer layer{};
   Convolution conv, candidate;
   torch::Tensor hidden, memory;
 
-  explicit Module(const E2lfTorchVideoLayer& of) : layer(of) {
+  explicit Module(const E2lfTorchLayer& of) : layer(of) {
     const bool is_cell = of.op == kE2lfGru || of.op == kE2lfLstm;
     const size_t in = is_cell ? of.in_channels + of.out_channels : of.in_channels;
     const size_t parts = of.op == kE2lfLstm ? 4 : of.op == kE2lfGru ? 2 : 1;
@@ -118,7 +118,7 @@ struct Module {
 
 }  // namespace
 
-const char* e2lf_torch_event_video(const E2lfTorchVideoJob* job) {
+const char* e2lf_torch_network(const E2lfTorchNetworkJob* job) {
   static std::string message;
   try {
     const torch::InferenceMode guard;
@@ -128,12 +128,23 @@ const char* e2lf_torch_event_video(const E2lfTorchVideoJob* job) {
     const auto input = Convolution::tensor_of(
         job->input,
         {1, Convolution::as_int(job->in_channels), Convolution::as_int(job->height), Convolution::as_int(job->width)});
-    for (size_t frame = 0; frame < job->frames; ++frame) {
+    std::vector<size_t> last(job->num_layers + 1, job->num_layers);  // which layer is the last to read a tensor
+    for (size_t i = 0; i < job->num_layers; ++i) {
+      const E2lfTorchLayer& layer = job->layers[i];
+      for (size_t k = 0; k < layer.num_inputs; ++k) last[layer.inputs[k]] = i;
+      if (layer.residual != 0) last[layer.residual - 1] = i;
+    }
+    for (size_t run = 0; run < job->runs; ++run) {
       const auto begin = std::chrono::steady_clock::now();
       std::vector<torch::Tensor> tensors = {input};
-      for (Module& module : modules) tensors.push_back(module.run(tensors));
+      for (size_t i = 0; i < modules.size(); ++i) {
+        tensors.push_back(modules[i].run(tensors));
+        for (size_t k = 0; k <= i; ++k) {
+          if (last[k] == i) tensors[k].reset();
+        }
+      }
       const torch::Tensor output = tensors.back().contiguous();
-      job->seconds[frame] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+      job->seconds[run] = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
       std::memcpy(job->output, output.data_ptr<float>(), output.nbytes());
     }
     return nullptr;
@@ -141,4 +152,8 @@ const char* e2lf_torch_event_video(const E2lfTorchVideoJob* job) {
     message = error.what();
     return message.c_str();
   }
+}
+
+const char* e2lf_torch_version() {
+  return TORCH_VERSION;
 }
