@@ -12,7 +12,7 @@
 #include "e2lf/base/threads.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/recordings/convert.h"
 #include "e2lf/recordings/recording.h"
 #include "e2lf/terminal/progress_bar.h"

@@ -12,8 +12,8 @@
 #include "e2lf/eval/report.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/program/light_fields.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/program/verb.h"
 #include "e2lf/terminal/progress_bar.h"
 

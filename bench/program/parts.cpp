@@ -10,8 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/program/report_output.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {

@@ -15,7 +15,7 @@
 #include "e2lf/engine/engine.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/option_values.h"
+#include "e2lf/program/options.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::bench {

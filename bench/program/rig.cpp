@@ -12,7 +12,7 @@
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/program/verb.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recordings/recording.h"

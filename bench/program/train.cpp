@@ -8,7 +8,7 @@
 
 #include "bench/program/parts.h"
 #include "e2lf/base/text.h"
-#include "e2lf/program/option_values.h"
+#include "e2lf/program/options.h"
 
 namespace e2lf::bench {
 using namespace program;

@@ -10,7 +10,7 @@
 #include "e2lf/engine/conv.h"
 #include "e2lf/engine/engine.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/option_values.h"
+#include "e2lf/program/options.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/video/operations.h"
 #include "e2lf/video/video_model.h"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "e2lf/program/help.h"
-
 #include <gmock/gmock.h>
 
+#include "e2lf/program/options.h"
 #include "e2lf/program/verb.h"
 
 namespace e2lf::program {

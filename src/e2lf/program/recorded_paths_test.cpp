@@ -2,7 +2,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "e2lf/program/option_values.h"
+#include "e2lf/program/options.h"
 #include "e2lf/program/verb.h"
 #include "testing/test_files.h"
 

@@ -12,8 +12,7 @@
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/options.h"
-#include "e2lf/program/help.h"
-#include "e2lf/program/option_values.h"
+#include "e2lf/program/options.h"
 
 namespace e2lf::program {
 

@@ -11,7 +11,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/scene.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/program/option_values.h"
+#include "e2lf/program/options.h"
 #include "e2lf/streams/event_stream.h"
 
 namespace e2lf::cli {

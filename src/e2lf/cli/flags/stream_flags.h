@@ -8,7 +8,7 @@
 
 #include "e2lf/capture/profile/sensor_profile.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/program/light_fields.h"
+#include "e2lf/program/inputs.h"
 #include "e2lf/streams/virtual_rig.h"
 
 namespace e2lf::cli {

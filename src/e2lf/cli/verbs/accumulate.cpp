@@ -5,7 +5,7 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/diagnose/event_order.h"
@@ -16,8 +16,7 @@
 #include "e2lf/pipeline/event_run.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/report_output.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/recordings/event_counters.h"
 #include "e2lf/terminal/progress_bar.h"
 

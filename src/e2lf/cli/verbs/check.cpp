@@ -2,16 +2,15 @@
 // e2lf check: one page on a rig, from the first cycles of a recording or of a live camera
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/deadline.h"
+#include "e2lf/cli/flags/event_flags.h"
+#include "e2lf/cli/output/results.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/event_run.h"
 #include "e2lf/pipeline/rig_report.h"
-#include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/options.h"
+#include "e2lf/program/outputs.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

@@ -16,8 +16,8 @@
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/image.h"
-#include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/options.h"
+#include "e2lf/program/outputs.h"
 
 namespace e2lf::cli {
 namespace fs = std::filesystem;

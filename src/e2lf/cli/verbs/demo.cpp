@@ -3,7 +3,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/output/results.h"
-#include "e2lf/cli/output/viewer.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/report.h"
@@ -16,8 +15,7 @@
 #include "e2lf/pipeline/method.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/report_output.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

@@ -14,9 +14,8 @@
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/info/page_parts.h"
-#include "e2lf/program/light_fields.h"
-#include "e2lf/program/report_output.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/report/chart.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -3,16 +3,15 @@
 #include <cstdio>
 
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/file_kind.h"
 #include "e2lf/info/page_parts.h"
-#include "e2lf/program/light_fields.h"
-#include "e2lf/program/option_values.h"
-#include "e2lf/program/report_output.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/options.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/recordings/event_counters.h"
 #include "e2lf/terminal/progress_bar.h"
 

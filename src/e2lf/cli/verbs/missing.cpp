@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The verbs and pages of a build without the viewer (E2LF_NO_VIEWER) or without SDL (E2LF_NO_DISPLAY)
 #include "e2lf/base/text.h"
-#include "e2lf/cli/output/viewer.h"
+#include "e2lf/cli/output/results.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/live/page/live_page.h"
 

@@ -16,8 +16,8 @@
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/options.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/video/import_event_video.h"
 
 namespace e2lf::cli {

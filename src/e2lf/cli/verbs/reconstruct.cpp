@@ -5,9 +5,7 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/cli/flags/cycle_options.h"
-#include "e2lf/cli/flags/method_flags.h"
-#include "e2lf/cli/output/event_run_log.h"
+#include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/output/results.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/files/options.h"
@@ -15,7 +13,7 @@
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/views.h"
 #include "e2lf/program/inputs.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/program/sibling_program.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -11,9 +11,9 @@
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/lightfield/views.h"
-#include "e2lf/program/light_fields.h"
-#include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/options.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {

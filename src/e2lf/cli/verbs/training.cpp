@@ -6,7 +6,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/learn/data/packed_data.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/program/sibling_program.h"
 #include "e2lf/terminal/progress_bar.h"
 

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 // e2lf view: serves the viewer to a browser, or writes it as one HTML file
 #include <cstdio>
+#include <memory>
+#include <utility>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
-#include "e2lf/cli/flags/cycle_options.h"
+#include "e2lf/cli/flags/event_flags.h"
+#include "e2lf/cli/output/results.h"
 #include "e2lf/cli/verbs.h"
 #include "e2lf/depth/disparity.h"
 #include "e2lf/depth/disparity_error.h"
@@ -15,9 +18,9 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/light_field.h"
 #include "e2lf/lightfield/light_field_io.h"
-#include "e2lf/program/light_fields.h"
-#include "e2lf/program/option_values.h"
-#include "e2lf/program/run_record.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/options.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/view/document.h"
@@ -345,6 +348,26 @@ int run_view(const std::vector<std::string>& arguments) {
     std::ranges::transform(view_arguments.things, view_arguments.things.begin(), file_or_bundled_model);
     return view_arguments.page.empty() ? serve(view_arguments, verb) : export_page(view_arguments, verb);
   });
+}
+
+Result<void> write_comparison_page(const std::filesystem::path& path, const ComparedLightField& truth,
+                                   const ComparedLightField& reconstruction,
+                                   const std::optional<depth::DisparityError>& error) {
+  view::Document document;
+  for (const auto& [name, shown] : {std::pair("scene", &truth), std::pair("reconstruction", &reconstruction)}) {
+    const lightfield::Shape& shape = shown->light_field.shape();
+    E2LF_RETURN_IF_ERROR(view::check_browser_memory(shape, path));
+    const auto cycles = std::make_shared<view::LightFieldCycles>();
+    cycles->add(name, shown->light_field);
+    document.add_light_field(name, cycles);
+    if (!error) continue;
+    document.add_disparity(document.num_items() - 1, {{shown->disparity}, depth::middle_view(shape)});
+  }
+  view::Quality quality = view::quality_of_pictures(truth.light_field, reconstruction.light_field);
+  quality.disparity = error;
+  quality.truth_source = "those of the scene";
+  document.add_comparison(0, 1, {quality});
+  return view::write_page(path, document);
 }
 
 }  // namespace e2lf::cli

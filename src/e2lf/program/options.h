@@ -4,16 +4,17 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "e2lf/base/choice.h"
 
-/// The kinds of values of options.
+/// The options of verbs: the kinds of their values, their help, and the groups in which it shows them.
 namespace e2lf::program {
 
 /// The placeholders of values in --help. They also identify the options that name files: --config resolves their values
-/// (recorded_paths.cpp), and completion offers bundled files for them.
+/// (outputs.cpp), and completion offers bundled files for them.
 inline constexpr char kPathType[] = "PATH", kModelType[] = "MODEL", kCodesType[] = "PATTERNS", kCameraType[] = "CAMERA";
 /// For verbs that accept any file or folder.
 inline constexpr char kThingType[] = "PATH|MODEL";
@@ -69,6 +70,52 @@ void set_completing();
 /// Prints the words that begin with `begin`, and those that may follow the words behind the name of a verb.
 void print_candidates(const std::vector<std::string>& words, const std::string& begin);
 void print_candidates(const CLI::App& app, std::vector<std::string> words);
+
+/// The groups of options; OptionGroup declares them. The word before the colon is that of
+/// --help=WORD. Options without a group are those that --help always shows.
+inline constexpr char kRunOptions[] = "run: configuration file, number of threads and seed",
+                      kNetworkOptions[] = "network: its arithmetic, what computes it, and the brightness of its output",
+                      kCycleOptions[] = "cycles: when the patterns of a recording change",
+                      kRecordingOptions[] = "recordings: which part of them is read, and their clock",
+                      kTableOptions[] = "tables: recordings that do not state their format, sensor or columns",
+                      kCameraOptions[] = "cameras: settings of a live camera",
+                      kLightFieldOptions[] = "light-fields: which views are read, and how files store them",
+                      kOrientationOptions[] = "orientation: turned or mirrored views",
+                      kMapOptions[] = "map: view, range and points of disparity maps of light fields",
+                      kStreamOptions[] = "stream: simulation event by event, of scenes that move",
+                      kSensorOptions[] = "sensor: constants of the paper's event models",
+                      kDisplayOptions[] = "display: size and orientation of the patterns on the display";
+
+/// The options that apply to recordings alone, and not to event images.
+inline const std::vector<std::string> kOptionsOfRecordings = {kCycleOptions, kRecordingOptions, kTableOptions};
+
+/// While it exists, new options of `app` are in this group.
+class OptionGroup {
+ public:
+  OptionGroup(CLI::App& app, const char* group) : app_(app), before_(app.option_defaults()->get_group()) {
+    app.option_defaults()->group(group);
+  }
+  ~OptionGroup() { app_.option_defaults()->group(before_); }
+  OptionGroup(const OptionGroup&) = delete;
+  OptionGroup& operator=(const OptionGroup&) = delete;
+
+ private:
+  CLI::App& app_;
+  std::string before_;
+};
+
+/// Returns the words of the groups that the options of `app` have, in the order of their declaration.
+[[nodiscard]] std::vector<std::string> help_groups(const CLI::App& app);
+
+/// Returns the text of --help: everything if there are few options, and otherwise those without a group and the list of
+/// groups.
+[[nodiscard]] std::string short_help(const CLI::App& app);
+
+/// Returns the text of --help-all.
+[[nodiscard]] std::string whole_help(const CLI::App& app);
+
+/// Returns the text of --help=WORD, or nothing if no option of `app` has this group.
+[[nodiscard]] std::optional<std::string> group_help(const CLI::App& app, const std::string& word);
 
 }  // namespace e2lf::program
 

@@ -12,6 +12,10 @@
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/info/recording_report.h"
 #include "e2lf/pipeline/cycle_input.h"
+#include "e2lf/pipeline/field_sequence.h"
+#include "e2lf/pipeline/method.h"
+#include "e2lf/program/inputs.h"
+#include "e2lf/program/outputs.h"
 #include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
@@ -72,5 +76,33 @@ void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 /// Opens these and divides a recording into cycles. Fails as open_events() and pipeline::CycleInput::open() do.
 [[nodiscard]] Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
                                                             const Verb& verb);
+
+/// The flags of the verbs that reconstruct light fields.
+struct MethodFlags {
+  CodesSource codes;
+  std::string precision = "auto", device = "cpu", gain = "auto", black = "auto", camera;
+};
+
+/// Declares -m, --codes, --camera, --precision and --device. `source` is what may state the camera.
+void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& source);
+
+/// Declares --device.
+void add_device_option(CLI::App& app, std::string& device);
+
+/// Declares --gain and --black, for verbs whose output is a light field.
+void add_tone_options(CLI::App& app, MethodFlags& flags);
+
+/// Reads the model, the patterns and the camera that the flags name, adds them to the record, and takes over the
+/// precision and the device. Fails as reading them does.
+[[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);
+
+/// Parses --gain (a positive number) and --black (a number of at least 0); "auto" leaves them to the method. Fails with
+/// kInvalidValue.
+[[nodiscard]] Result<pipeline::Tone> tone_of(const MethodFlags& flags);
+
+/// Logs which network was chosen by default, and records the decisions behind a method: the network or patterns that
+/// were chosen by default, and the sources of the patterns and the sensor profile. `passes` is the requested number of
+/// passes.
+void record_method(const pipeline::OpenedMethod& method, size_t passes, RunRecord& record);
 
 }  // namespace e2lf::cli
