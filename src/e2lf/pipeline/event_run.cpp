@@ -5,7 +5,6 @@
 
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/diagnose/event_order.h"
-#include "e2lf/pipeline/method_findings.h"
 
 namespace e2lf::pipeline {
 namespace {
@@ -21,12 +20,6 @@ Result<void> check_input(const CycleInput& input, const CycleInputOptions& optio
         .about("transitions");
   }
   return {};
-}
-
-/// Returns the patterns between which a reader with this schedule forms event images, if the schedule states them.
-std::optional<capture::Codes> codes_of(const cycles::Schedule* schedule) {
-  if (schedule == nullptr || !schedule->codes) return std::nullopt;
-  return cycles::codes_of_images(*schedule->codes, *schedule).value_or(*schedule->codes);
 }
 
 }  // namespace
@@ -51,59 +44,29 @@ ScheduleChoice wanted_schedule(ScheduleChoice schedule, const MethodChoice& meth
 }
 
 Result<EventRun> EventRun::open(EventSource source, EventRunOptions options) {
-  options.events.cycles_per_field = options.use.cycles;
+  options.events.cycles_per_field = options.method.use.cycles;
   options.events.schedule = wanted_schedule(std::move(options.events.schedule), options.method);
   E2LF_ASSIGN_OR_RETURN(CycleInput input, CycleInput::open(std::move(source), options.events));
   E2LF_RETURN_IF_ERROR(check_input(input, options.events));
   EventRun run(std::move(options), std::move(input));
   E2LF_RETURN_IF_ERROR(run.open_method_of_input());
-  switch (run.method().algorithm) {
-    case Algorithm::kNetwork:
-    case Algorithm::kInversion:
-      E2LF_RETURN_IF_ERROR(run.prepare_light_fields());
-      break;
-    case Algorithm::kDepth:
-      break;
-  }
+  if (run.method_.gives_disparities()) return run;
+  E2LF_ASSIGN_OR_RETURN(run.sequence_, open_sequence(run.method_, run.options_.tone));
+  E2LF_ASSIGN_OR_RETURN(run.check_, FieldCheck::create(run.method_, run.method_.use.cycles));
   return run;
 }
 
-Result<ChosenMethod> choose_method(MethodChoice choice, const MethodUse& use, const cycles::Schedule* schedule) {
-  if (choice.codes && schedule != nullptr) {
-    choice.codes = cycles::codes_of_images(*choice.codes, *schedule).value_or(*choice.codes);
-  }
-  ChosenMethod chosen;
-  chosen.findings = diagnose::findings_from_text(choice.events.findings);
-  chosen.is_confirmed = !diagnose::has_doubt(chosen.findings);
-  if (auto contradicted = contradicted_codes({choice.codes, choice.events.codes, codes_of(schedule)})) {
-    chosen.findings.push_back(std::move(*contradicted));
-  }
-  E2LF_ASSIGN_OR_RETURN(chosen.method, open_method(std::move(choice)));
-  E2LF_RETURN_IF_ERROR(chosen.method.ready(use));
-  for (auto& finding : method_findings(chosen.method, use)) chosen.findings.push_back(std::move(finding));
-  return chosen;
-}
-
 Result<void> EventRun::open_method_of_input() {
-  MethodChoice choice = options_.method;
+  MethodChoice choice = std::move(options_.method);
   choice.measurement = input_.measurement();
   choice.transitions = input_.transitions();
   choice.lit_where_moving = choice.algorithm != Algorithm::kDepth && options_.events.schedule.transitions == "auto";
+  if (input_.is_recording()) choice.schedule = &input_.reader().schedule();
   E2LF_ASSIGN_OR_RETURN(choice.events, input_.setup());
-  const cycles::Schedule* const schedule = is_recording() ? &reader().schedule() : nullptr;
-  E2LF_ASSIGN_OR_RETURN(chosen_,
-                        naming(options_.events.input, choose_method(std::move(choice), options_.use, schedule)));
-  if (options_.use.fused_cycles > 1) {
-    E2LF_RETURN_IF_ERROR(input_.fuse(method().sensor(), options_.use.fused_cycles));
-  }
-  views_ = method().views;
+  E2LF_ASSIGN_OR_RETURN(method_, naming(options_.events.input, open_method(std::move(choice))));
+  if (method_.use.fused_cycles > 1) E2LF_RETURN_IF_ERROR(input_.fuse(method_.sensor(), method_.use.fused_cycles));
+  views_ = method_.views;
   if (!options_.turned.is_upright()) views_ = views_.value_or(capture::Orientation{}) + options_.turned;
-  return {};
-}
-
-Result<void> EventRun::prepare_light_fields() {
-  E2LF_ASSIGN_OR_RETURN(sequence_, open_sequence(method(), options_.use, options_.tone));
-  E2LF_ASSIGN_OR_RETURN(check_, FieldCheck::create(method(), options_.use));
   return {};
 }
 
@@ -114,7 +77,7 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
   EventResult result{.number = made_, .cycle = std::move(*cycle)};
   const auto& of_recording = result.cycle.cycle;
   result.is_confirmed =
-      chosen_.is_confirmed && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
+      method_.is_confirmed && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
   if (capture::has_events(result.cycle.images.kind)) result.findings = judge_events(result);
   E2LF_RETURN_IF_ERROR(naming(options_.events.input, make(result, progress)));
   keep(result);
@@ -122,7 +85,7 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
 }
 
 Result<void> EventRun::make(EventResult& result, const ProgressFn& progress) {
-  switch (method().algorithm) {
+  switch (method_.algorithm) {
     case Algorithm::kNetwork:
     case Algorithm::kInversion:
       return make_light_field(result, progress);
@@ -134,13 +97,13 @@ Result<void> EventRun::make(EventResult& result, const ProgressFn& progress) {
 
 diagnose::Findings EventRun::judge_events(const EventResult& result) const {
   const capture::EventImages& events = result.cycle.images.events;
-  const size_t cycles = options_.use.cycles;
+  const size_t cycles = method_.use.cycles;
   diagnose::Findings findings = diagnose::check_event_images(events, cycles);
   // Wrong times explain every other sign and order, and so do wrong signs and orders other places of the patterns.
   if (made_ > 0 || !result.is_confirmed || diagnose::has_doubt(findings)) return findings;
-  auto other = diagnose::check_order(events, cycles, method().known_setup());
-  if (!other && are_patterns_stated(method().codes)) {
-    other = diagnose::check_places(events, method().codes->codes, method().camera);
+  auto other = diagnose::check_order(events, cycles, method_.known_setup());
+  if (!other && are_patterns_stated(method_.codes)) {
+    other = diagnose::check_places(events, method_.codes->codes, method_.camera);
   }
   if (other && other->severity != diagnose::Severity::kNote) findings.push_back(*std::move(other));
   return findings;
@@ -154,22 +117,22 @@ Result<void> EventRun::make_light_field(EventResult& result, const ProgressFn& p
     if (made_ > 0) return {};
     E2LF_ASSIGN_OR_RETURN(result.check, check_->judge(unprocessed, used.events, is_of_lit));
     // Light fields for other patterns can explain the events as well.
-    result.is_confirmed = result.is_confirmed && are_patterns_stated(method().codes);
+    result.is_confirmed = result.is_confirmed && are_patterns_stated(method_.codes);
     return {};
   };
   const bool finds_gain = !sequence_->tone().gain;
   E2LF_ASSIGN_OR_RETURN(result.made, sequence_->next(result.cycle.images, progress, compare));
   if (const auto& gain = sequence_->tone().gain; finds_gain && gain) {
-    if (auto unusual = gain_finding(method(), *gain)) result.findings.push_back(std::move(*unusual));
+    if (auto unusual = gain_finding(method_, *gain)) result.findings.push_back(std::move(*unusual));
   }
   return {};
 }
 
 Result<void> EventRun::make_map(EventResult& result, const ProgressFn& progress) {
-  E2LF_ASSIGN_OR_RETURN(result.made, depth_of_events(method(), result.cycle.images, options_.use.cycles,
+  E2LF_ASSIGN_OR_RETURN(result.made, depth_of_events(method_, result.cycle.images, method_.use.cycles,
                                                      views_.value_or(capture::Orientation{}), progress));
   const depth::DisparityMap& map = std::get<EventDepth>(result.made).map;
-  for (auto finding : {range_finding(method().network->model(), map), confidence_finding(map)}) {
+  for (auto finding : {range_finding(method_.network->model(), map), confidence_finding(map)}) {
     if (finding) result.findings.push_back(*std::move(finding));
   }
   return {};
@@ -189,12 +152,12 @@ void EventRun::keep(const EventResult& result) {
 
 EventRunReport EventRun::report() const {
   EventRunReport report{
-      .results = made_, .of_lit = of_lit_, .left_out = input_.summary(), .findings = chosen_.findings};
+      .results = made_, .of_lit = of_lit_, .left_out = input_.summary(), .findings = method_.findings};
   if (sequence_) report.tone = sequence_->tone();
   const auto add = [&](const diagnose::Findings& findings) {
     report.findings.insert(report.findings.end(), findings.begin(), findings.end());
   };
-  if (is_recording()) add(rig().findings(reader()));
+  if (input_.is_recording()) add(input_.rig().findings(input_.reader()));
   add(of_results_);
   return report;
 }

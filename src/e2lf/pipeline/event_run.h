@@ -17,11 +17,10 @@
 namespace e2lf::pipeline {
 
 struct EventRunOptions {
-  CycleInputOptions events = {};  ///< the number of cycles of each result is that of `use`
+  CycleInputOptions events = {};  ///< the number of cycles of each result is that of `method.use`
   /// What the caller specifies. The setup of the events, the kind of measurement and the number of transitions follow
   /// from the events. The algorithm determines what the run makes: light fields, or disparity maps.
   MethodChoice method = {};
-  MethodUse use = {};
   Tone tone = {};                    ///< of light fields
   capture::Orientation turned = {};  ///< is added to the orientation of the views that the events state
 };
@@ -49,26 +48,12 @@ struct EventRunReport {
   diagnose::Findings findings = {};
 };
 
-/// A method that was chosen for some events.
-struct ChosenMethod {
-  OpenedMethod method;
-  diagnose::Findings findings = {};  ///< of the file of the events, and of the method
-  bool is_confirmed = true;          ///< whether the file states no doubt about its cycles
-};
-
-/// Opens the method for the events that `choice` describes with its setup, and judges how it matches them. The patterns
-/// of the caller are reduced to those between which a reader with this schedule forms event images; null for files.
-/// Fails as open_method() and OpenedMethod::ready() do.
-[[nodiscard]] Result<ChosenMethod> choose_method(MethodChoice choice, const MethodUse& use,
-                                                 const cycles::Schedule* schedule);
-
 /// One run from events to light fields or disparity maps: it divides a recording into cycles, chooses the method, sums
 /// and fuses cycles, uses the lit transitions where the scene moves, and judges the input and the results.
 class EventRun {
  public:
   /// Fails with kInvalidValue if all counts of a file are 0 or if an option does not apply to the events (the error
-  /// names it), and as CycleInput::open(), CycleInput::setup(), open_method() and OpenedMethod::ready()
-  /// do.
+  /// names it), and as CycleInput::open(), CycleInput::setup() and open_method() do.
   [[nodiscard]] static Result<EventRun> open(EventSource source, EventRunOptions options);
 
   /// Returns the next result, or nothing at the end. `progress` begins with (0, 1) when the events of the cycle are
@@ -76,24 +61,14 @@ class EventRun {
   [[nodiscard]] Result<std::optional<EventResult>> next(const ProgressFn& progress = {});
 
   [[nodiscard]] EventRunReport report() const;
-  /// Returns what may be wrong with the input and the method, as is known before the first result.
-  [[nodiscard]] const diagnose::Findings& findings_of_input() const { return chosen_.findings; }
-
-  [[nodiscard]] const OpenedMethod& method() const { return chosen_.method; }
-  [[nodiscard]] const MethodUse& use() const { return options_.use; }
+  [[nodiscard]] const OpenedMethod& method() const { return method_; }
   /// Returns the orientation in which the views are made, or nothing if neither the caller nor the events state one.
   [[nodiscard]] const std::optional<capture::Orientation>& views() const { return views_; }
-  /// Returns true if the events are a file that gives exactly one result.
-  [[nodiscard]] bool has_one_result() const { return input_.has_one_field(); }
-  [[nodiscard]] bool is_recording() const { return input_.is_recording(); }
-  /// Returns the reader of a recording, and what its cycles told of the rig. The former must not be called for files.
-  [[nodiscard]] const cycles::CycleReader& reader() const { return input_.reader(); }
-  [[nodiscard]] const diagnose::RigCheck& rig() const { return input_.rig(); }
+  [[nodiscard]] const CycleInput& input() const { return input_; }
 
  private:
   EventRun(EventRunOptions options, CycleInput input) : options_(std::move(options)), input_(std::move(input)) {}
   [[nodiscard]] Result<void> open_method_of_input();
-  [[nodiscard]] Result<void> prepare_light_fields();
   [[nodiscard]] Result<void> make(EventResult& result, const ProgressFn& progress);
   [[nodiscard]] diagnose::Findings judge_events(const EventResult& result) const;
   [[nodiscard]] Result<void> make_light_field(EventResult& result, const ProgressFn& progress);
@@ -102,7 +77,7 @@ class EventRun {
 
   EventRunOptions options_;
   CycleInput input_;
-  ChosenMethod chosen_;
+  OpenedMethod method_;
   std::optional<capture::Orientation> views_;
   std::optional<FieldSequence> sequence_;  ///< of light fields
   std::optional<FieldCheck> check_;

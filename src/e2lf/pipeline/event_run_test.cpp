@@ -35,7 +35,7 @@ capture::MeasurementFile file_of(size_t cycles) {
 }
 
 EventRunOptions light_fields(MethodUse use = {}) {
-  return {.method = {.model = half_of_first_count(64)}, .use = use, .tone = {.gain = 1.0F}};
+  return {.method = {.model = half_of_first_count(64), .use = use}, .tone = {.gain = 1.0F}};
 }
 
 EventRunOptions maps() {
@@ -50,7 +50,7 @@ std::vector<std::string> codes_of(const diagnose::Findings& findings) {
 
 TEST(EventRun, MakesALightFieldOfEachCycle) {
   EventRun run = EventRun::open(file_of(2), light_fields()).value();
-  EXPECT_FALSE(run.has_one_result());
+  EXPECT_FALSE(run.input().has_one_field());
   for (size_t number = 0; number < 2; ++number) {
     const auto result = run.next().value();
     ASSERT_TRUE(result);
@@ -68,7 +68,7 @@ TEST(EventRun, MakesAMapOfEachCycle) {
   EventRunOptions options = maps();
   options.turned = capture::kTurned;
   EventRun run = EventRun::open(file_of(1), options).value();
-  EXPECT_TRUE(run.has_one_result());
+  EXPECT_TRUE(run.input().has_one_field());
   const auto result = run.next().value();
   const depth::DisparityMap& map = std::get<EventDepth>(result->made).map;
   EXPECT_FLOAT_EQ(map.disparity.pixels[1], -1.0F);
@@ -80,7 +80,7 @@ TEST(EventRun, ReportsTheCyclesThatAreTooFewForAnotherSum) {
   EventRunOptions options = light_fields({.cycles = 3});
   options.method.model = read_network(bundled_file_named(kBundledModels, "e2lf-n4-camera").value()).value();
   EventRun run = EventRun::open(file_of(5), options).value();
-  EXPECT_TRUE(run.has_one_result());
+  EXPECT_TRUE(run.input().has_one_field());
   EXPECT_TRUE(run.next().value());
   EXPECT_FALSE(run.next().value());
   EXPECT_EQ(run.report().results, 1U);
@@ -138,9 +138,9 @@ TEST(EventRun, RefusesWhatDoesNotApply) {
   options.events.schedule.transitions = "lit";
   EXPECT_EQ(EventRun::open(file_of(1), options).error().option, "transitions");
   for (EventRunOptions each : {light_fields(), maps()}) {
-    each.use = {.fused_cycles = 2};
+    each.method.use = {.fused_cycles = 2};
     EXPECT_EQ(EventRun::open(file_of(2), each).error().option, "fuse");
-    each.use = {.cycles = 2};
+    each.method.use = {.cycles = 2};
     EXPECT_EQ(EventRun::open(file_of(2), each).error().option, "cycles_per_field");
   }
 }

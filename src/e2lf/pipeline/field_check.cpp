@@ -114,16 +114,15 @@ Json Explanation::json(bool is_confirmed) const {
           {"findings", diagnose::to_json(findings)}};
 }
 
-Result<std::optional<FieldCheck>> FieldCheck::create(const OpenedMethod& method, const MethodUse& use) {
+Result<std::optional<FieldCheck>> FieldCheck::create(const OpenedMethod& method, size_t cycles) {
   if (!method.codes) return std::optional<FieldCheck>();
   FieldCheck check;
-  MethodUse once = use;
-  once.passes = 1;
+  const MethodUse once{.cycles = cycles};
   E2LF_ASSIGN_OR_RETURN(check.own_.method, method.ready(once));
   E2LF_ASSIGN_OR_RETURN(check.own_.check.model, sensor::event_model_from_name(method.codes->event_model));
   check.own_.check.codes = method.codes->codes;
   check.own_.check.constants = method.codes->constants;
-  check.own_.check.cycles = use.cycles;
+  check.own_.check.cycles = cycles;
   const bool is_pixel = method.camera && method.camera->is_pixel();
   if (is_pixel) check.own_.check.pixels = method.camera;
   if (method.lit) {
@@ -132,9 +131,7 @@ Result<std::optional<FieldCheck>> FieldCheck::create(const OpenedMethod& method,
   }
   // The error of a method that does not use the sensor profile does not depend on the polarity or the order of the
   // events. If the camera of the events is unknown, a network is judged by its own profile.
-  if (method.camera ? !is_pixel || method.takes_sums() : method.network != nullptr) {
-    check.is_judged_ = true;
-  }
+  check.is_judged_ = method.camera ? !is_pixel || method.takes_sums() : method.network != nullptr;
   return std::optional(std::move(check));
 }
 

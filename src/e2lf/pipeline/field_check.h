@@ -29,8 +29,9 @@ struct Explanation {
 /// Compares light fields with the events from which they were reconstructed. No ground truth is needed.
 class FieldCheck {
  public:
-  /// Returns nothing if the patterns are unknown or if colours are reconstructed separately.
-  [[nodiscard]] static Result<std::optional<FieldCheck>> create(const OpenedMethod& method, const MethodUse& use);
+  /// Checks light fields from sums over `cycles`. Returns nothing if the patterns are unknown or if colours are
+  /// reconstructed separately.
+  [[nodiscard]] static Result<std::optional<FieldCheck>> create(const OpenedMethod& method, size_t cycles = 1);
 
   /// Computes recon::event_error() of an unprocessed light field. `is_of_lit` is that of Field.
   [[nodiscard]] Result<recon::EventError> compare(const lightfield::LightField& light_field,

@@ -21,7 +21,7 @@ class FieldChecks : public testing::Test {
 
   [[nodiscard]] FieldCheck check(size_t cycles = 1) const {
     const auto method = open_method({.model = network_}).value();
-    return FieldCheck::create(method, {.cycles = cycles}).value().value();
+    return FieldCheck::create(method, cycles).value().value();
   }
 
   [[nodiscard]] Explanation judge(const lightfield::LightField& field, const capture::EventImages& events) const {
@@ -69,7 +69,7 @@ TEST_F(FieldChecks, OfEventsWindowTheCameraAsThoseOfLightFields) {
   sloped.camera->transmission_slope_x = {0.8F, 0.8F, 0.8F};
   const auto events = sensor::simulate_pixel_events(*sloped.codes, wide, *sloped.camera, {.seed = 7}).value();
   const OpenedMethod method = open_method({.model = sloped}).value();
-  const FieldCheck check = FieldCheck::create(method, {}).value().value();
+  const FieldCheck check = FieldCheck::create(method).value().value();
   const lightfield::LightField field = method.ready().value()(events, {}).value();
   const Explanation of_field = check.judge(field, events, false).value().value();
   const Explanation of_events = check.judge_events(events).value().value();
@@ -79,7 +79,7 @@ TEST_F(FieldChecks, OfEventsWindowTheCameraAsThoseOfLightFields) {
 TEST_F(FieldChecks, JudgeOnlyMethodsThatUseTheCamera) {
   const auto opened = [&](pipeline::MethodChoice choice) { return open_method(std::move(choice)).value(); };
   const auto is_judged = [&](const pipeline::OpenedMethod& method) {
-    const auto made = FieldCheck::create(method, {}).value();
+    const auto made = FieldCheck::create(method).value();
     return made && made->judge(truth_, simulate(truth_), false).value().has_value();
   };
   EXPECT_FALSE(is_judged(opened({.algorithm = Algorithm::kInversion, .codes = network_.codes})));

@@ -15,6 +15,9 @@
 
 namespace e2lf::pipeline {
 namespace fs = std::filesystem;
+using diagnose::Finding;
+using diagnose::Findings;
+using diagnose::Severity;
 namespace {
 
 /// The operation of networks whose views follow a geometry.
@@ -164,6 +167,106 @@ Result<void> open_inversion(const MethodChoice& choice, OpenedMethod& opened) {
   return {};
 }
 
+/// Returns the patterns between which a reader with this schedule forms event images.
+std::optional<capture::Codes> reduced(const std::optional<capture::Codes>& codes, const cycles::Schedule* schedule) {
+  return codes && schedule != nullptr ? cycles::codes_of_images(*codes, *schedule).value_or(*codes) : codes;
+}
+
+/// Light fields for other patterns can explain the events as well.
+Finding patterns_assumed(const std::string& whose) {
+  return Finding{"patterns-assumed", Severity::kWarning,
+                 cat("the input does not state which patterns the camera showed; those of ", whose, " are assumed"),
+                 "state them, or the schedule of the display"}
+      .about("codes");
+}
+
+std::optional<Finding> patterns_finding(const OpenedMethod& method) {
+  const model::Model& model = method.network->model();
+  if (method.are_patterns_the_models()) {
+    if (!model::serves_any_patterns(model)) return std::nullopt;
+    return Finding{"patterns-adapted", Severity::kNote,
+                   cat(model.name, " is for any patterns and was adapted to these; its errors are larger than those ",
+                       "of a network that was trained for them, above all on physical pixels"),
+                   "look at the confidence of the result"};
+  }
+  if (!are_patterns_stated(method.codes)) return patterns_assumed(model.name);
+  if (!method.are_views_of_unstated_patterns) {
+    return Finding{"patterns-foreign", Severity::kWarning,
+                   cat("the events were made with other patterns than ", model.name,
+                       " was trained for, so that the result will be wrong"),
+                   "use a model for these patterns, or the inversion"};
+  }
+  return Finding{
+      "patterns-unstated", Severity::kWarning,
+      cat(model.name, " does not state which patterns it was trained for, so that it may not match those of ",
+          "the events"),
+      "use a model that states its patterns"};
+}
+
+void add_network_findings(const OpenedMethod& method, Findings& findings) {
+  const recon::Reconstructor& network = *method.network;
+  if (auto patterns = patterns_finding(method)) findings.push_back(std::move(*patterns));
+  if (!method.takes_sums() && method.camera && method.camera->is_pixel()) {
+    findings.push_back(Finding{"pixels-foreign", Severity::kWarning,
+                               cat("the events are those of physical pixels (", method.camera->name, "), which ",
+                                   network.model().name, " was not trained for: the result will be wrong"),
+                               conditioned_network_remedy(method.known_patterns(), method.gives_disparities())}
+                           .about("model"));
+  }
+  if (const size_t made = network.num_passes(method.use.passes); made < method.use.passes) {
+    findings.push_back({"passes-reduced",
+                        Severity::kWarning,
+                        cat("the network distinguishes ", made, " position", made == 1 ? "" : "s",
+                            " on its pixel grid, so that ", method.use.passes, " passes are reduced to this number"),
+                        "use fewer passes",
+                        {{"passes", made}},
+                        "passes"});
+  }
+}
+
+void add_inversion_findings(const OpenedMethod& method, Findings& findings) {
+  if (method.codes->stated_by == StatedBy::kNone) {
+    findings.push_back(
+        Finding{"patterns-unknown", Severity::kWarning,
+                cat("no patterns were given; those of ", method.bundled ? method.bundled->stem().string() : "the paper",
+                    " are used, and the camera may have shown others"),
+                "state those of the camera"}
+            .about("codes"));
+  } else if (!are_patterns_stated(method.codes)) {
+    findings.push_back(patterns_assumed("the model"));
+  }
+  if (method.camera && method.camera->is_pixel()) {
+    findings.push_back(Finding{"pixels-foreign", Severity::kWarning,
+                               cat("the events are those of physical pixels (", method.camera->name, "); the method ",
+                                   word_of(method.algorithm, kAlgorithms), " only supports the paper's event model"),
+                               conditioned_network_remedy(method.known_patterns(), method.gives_disparities())}
+                           .about("model"));
+  }
+}
+
+/// Returns the finding that two of the sources of patterns, the most reliable one first, contradict each other. Each
+/// may state those of a cycle or those of all its transitions.
+std::optional<Finding> contradicted_codes(const MethodChoice& choice) {
+  const auto differ = [](const std::optional<capture::Codes>& a, const std::optional<capture::Codes>& b) {
+    return a && b && *a != *b && capture::whole_cycle(*a) != *b && *a != capture::whole_cycle(*b);
+  };
+  if (differ(choice.codes, choice.events.codes)) {
+    return Finding{"patterns-contradicted", Severity::kWarning,
+                   "the patterns that were given differ from those in the file of the events; those that were given "
+                   "are used",
+                   "omit the patterns, or check which ones the camera showed"}
+        .about("codes");
+  }
+  if (differ(choice.codes ? choice.codes : choice.events.codes,
+             reduced(choice.schedule ? choice.schedule->codes : std::nullopt, choice.schedule))) {
+    return Finding{"patterns-contradicted", Severity::kWarning,
+                   cat("the patterns of the schedule differ from those ",
+                       choice.codes ? "that were given" : "in the file of the events", ", which are used"),
+                   "check which patterns the camera showed"};
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 Result<model::Model> read_network(const fs::path& path) {
@@ -177,11 +280,16 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
     return fail(ErrorCode::kInvalidValue, "", "this is the measurement ", capture::measurement_name(choice.measurement),
                 "; give a network that was trained for it");
   }
+  choice.codes = reduced(choice.codes, choice.schedule);
   OpenedMethod opened;
   opened.algorithm = choice.algorithm;
+  opened.use = choice.use;
   opened.camera = choice.camera ? choice.camera : choice.events.camera;
   if (opened.camera) opened.camera_stated_by = choice.camera ? StatedBy::kCaller : StatedBy::kEvents;
   opened.views = choice.camera && choice.camera->views ? choice.camera->views : choice.events.views;
+  opened.findings = diagnose::findings_from_text(choice.events.findings);
+  opened.is_confirmed = !diagnose::has_doubt(opened.findings);
+  if (auto contradicted = contradicted_codes(choice)) opened.findings.push_back(std::move(*contradicted));
   switch (choice.algorithm) {
     case Algorithm::kNetwork:
     case Algorithm::kDepth:
@@ -191,6 +299,8 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
       E2LF_RETURN_IF_ERROR(open_inversion(choice, opened));
       break;
   }
+  E2LF_RETURN_IF_ERROR(opened.ready(opened.use));
+  opened.network ? add_network_findings(opened, opened.findings) : add_inversion_findings(opened, opened.findings);
   return opened;
 }
 
@@ -237,16 +347,10 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                               " reconstructs each light field from one cycle; omit the number of cycles"))
         .about(use.cycles > 1 ? "cycles_per_field" : "fuse");
   }
-  switch (algorithm) {
-    case Algorithm::kNetwork:
-    case Algorithm::kDepth:
-      break;
-    case Algorithm::kInversion:
-      return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
-        return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
-      });
-  }
-  return method_of(network, use);
+  if (network) return method_of(network, use);
+  return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
+    return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
+  });
 }
 
 recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, const MethodUse& use) {
@@ -255,13 +359,39 @@ recon::Method method_of(std::shared_ptr<const recon::Reconstructor> network, con
   };
 }
 
-Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone) {
+Result<FieldSequence> open_sequence(const OpenedMethod& method, Tone tone) {
+  const MethodUse& use = method.use;
   E2LF_ASSIGN_OR_RETURN(recon::Method ready, method.ready(use));
   std::optional<recon::Method> lit;
   if (method.lit && (use.cycles == 1 || model::is_conditioned_on_camera(method.lit->model()))) {
     lit = method_of(method.lit, use);
   }
   return FieldSequence(std::move(ready), method.complete(tone), use.cycles, std::move(lit));
+}
+
+std::optional<Finding> gain_finding(const OpenedMethod& method, float gain) {
+  constexpr float kMostGain = 4, kLeastGain = 0.4F;
+  if (gain >= kLeastGain && gain <= kMostGain) return std::nullopt;
+  // The finding "pixels-foreign" explains it.
+  if (method.camera && method.camera->is_pixel() && !method.takes_sums()) return std::nullopt;
+  const bool is_of_model = method.camera_stated_by == StatedBy::kNone || method.camera_stated_by == StatedBy::kModel;
+  std::string remedy = gain > 1 ? "use more light" : "use less light", option = "gain";
+  if (is_of_model && method.takes_sums()) {
+    remedy += ", or state the sensor";
+    option = "camera";
+  } else if (is_of_model && method.network) {
+    remedy += cat(", or if the sensor has physical pixels, ",
+                  conditioned_network_remedy(method.known_patterns(), method.gives_disparities()));
+    option = "model";
+  }
+  return Finding{"gain-unusual",
+                 Severity::kWarning,
+                 cat("the light field is well exposed only with a gain of ", formatted("%.2g", gain), ": the scene is ",
+                     gain > 1 ? "darker" : "brighter", " than those for which the method was made, or the sensor is ",
+                     "another one than ", method.sensor().name.empty() ? "assumed" : method.sensor().name),
+                 cat(remedy, ", or set the gain"),
+                 {{"gain", gain}},
+                 option};
 }
 
 }  // namespace e2lf::pipeline

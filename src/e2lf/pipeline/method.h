@@ -7,6 +7,7 @@
 #include <string>
 
 #include "e2lf/base/choice.h"
+#include "e2lf/diagnose/finding.h"
 #include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/pipeline/recorded_setup.h"
 
@@ -21,7 +22,14 @@ enum class Algorithm {
 inline constexpr Choice<Algorithm> kAlgorithms[] = {
     {"network", Algorithm::kNetwork}, {"depth", Algorithm::kDepth}, {"inversion", Algorithm::kInversion}};
 
-/// The choice of a method that reconstructs light fields from measurements.
+/// How a method is applied to each measurement.
+struct MethodUse {
+  size_t passes = 1;        ///< number of passes of the network; see Reconstructor::reconstruct()
+  size_t cycles = 1;        ///< number of cycles of a static scene over which counts are summed
+  size_t fused_cycles = 1;  ///< largest number of cycles that CycleInput::fuse() averages
+};
+
+/// The choice of a method for some events.
 struct MethodChoice {
   Algorithm algorithm = Algorithm::kNetwork;
   /// The network; empty = the bundled one for the patterns and the sensor, as choose_bundled_model() chooses it. If the
@@ -38,19 +46,17 @@ struct MethodChoice {
   bool prefers_fast = false;         ///< whether to prefer a bundled network that keeps pace with a live source
   bool prefers_conditioned = false;  ///< whether to prefer a bundled network that is told the number of cycles
   bool lit_where_moving = false;     ///< whether to open a second network, OpenedMethod::lit
-};
-
-/// How a method is applied to each measurement.
-struct MethodUse {
-  size_t passes = 1;        ///< number of passes of the network; see Reconstructor::reconstruct()
-  size_t cycles = 1;        ///< number of cycles of a static scene over which counts are summed
-  size_t fused_cycles = 1;  ///< largest number of cycles that CycleInput::fuse() averages
+  MethodUse use = {};                ///< what the method must be capable of
+  /// The schedule by which a recording was divided into cycles, null for files. The patterns of the caller are reduced
+  /// to those between which a reader with this schedule forms event images.
+  const cycles::Schedule* schedule = nullptr;
 };
 
 /// A method that is ready for any number of measurements, and the decisions that led to it, which callers log and
 /// record.
 struct OpenedMethod {
   Algorithm algorithm = Algorithm::kNetwork;
+  MethodUse use = {};                                   ///< as it was chosen
   std::shared_ptr<const recon::Reconstructor> network;  ///< null for the inversion
   std::shared_ptr<const recon::Reconstructor> lit;  ///< bundled network of the lit transitions, for cycles with motion
   std::optional<std::filesystem::path> bundled;     ///< file of the bundled network that was chosen by default
@@ -60,6 +66,11 @@ struct OpenedMethod {
   StatedBy camera_stated_by = StatedBy::kNone;
   std::optional<capture::Orientation> views;  ///< orientation of the views, as the profile or the events state it
   std::optional<capture::SensorProfile> models_camera;  ///< profile of the network, if the caller specifies another
+  /// What the file of the events states, and where the method does not match the events: patterns that contradict each
+  /// other, are assumed or are not those of the network, pixels that it was not trained for, passes that it cannot
+  /// make.
+  diagnose::Findings findings = {};
+  bool is_confirmed = true;  ///< whether the file of the events states no doubt about its cycles
 
   /// Returns the profile of the sensor, which is that of the network or of the paper if none is stated.
   [[nodiscard]] capture::SensorProfile sensor() const;
@@ -85,11 +96,11 @@ struct OpenedMethod {
   [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
 };
 
-/// Prepares a method. The sensor profile is that of the caller, or else that of the events, or else that of the
-/// network. Fails with kInvalidValue if the measurement requires a network and none is given, if the patterns are
-/// unknown, or if the caller specifies a camera for a network that works for one camera only (option "camera"); with
-/// kNotFound if no bundled network was trained for the patterns, or if a model contains none; and as
-/// Reconstructor::create() does.
+/// Opens a method and judges how it matches the events. The sensor profile is that of the caller, or else that of the
+/// events, or else that of the network. Fails with kInvalidValue if the measurement requires a network and none is
+/// given, if the patterns are unknown, or if the caller specifies a camera for a network that works for one camera only
+/// (option "camera"); with kNotFound if no bundled network was trained for the patterns, or if a model contains none;
+/// and as Reconstructor::create() and OpenedMethod::ready() do.
 [[nodiscard]] Result<OpenedMethod> open_method(MethodChoice choice);
 
 /// Returns the method of a network.
@@ -97,7 +108,11 @@ struct OpenedMethod {
 
 /// Starts a sequence of light fields. The tone is completed by OpenedMethod::complete(). Fails as OpenedMethod::ready()
 /// does.
-[[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, const MethodUse& use, Tone tone);
+[[nodiscard]] Result<FieldSequence> open_sequence(const OpenedMethod& method, Tone tone);
+
+/// Returns the finding that the gain which was determined from a light field is far from 1, so that its brightness is
+/// not that of the scenes for which the method was made.
+[[nodiscard]] std::optional<diagnose::Finding> gain_finding(const OpenedMethod& method, float gain);
 
 /// Reads a network: a model file, or the folder of the paper's release.
 [[nodiscard]] Result<model::Model> read_network(const std::filesystem::path& path);

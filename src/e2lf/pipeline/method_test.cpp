@@ -7,7 +7,6 @@
 
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/pipeline/catalogue.h"
-#include "e2lf/pipeline/method_findings.h"
 #include "e2lf/recon/inversion.h"
 
 namespace e2lf::pipeline {
@@ -101,7 +100,7 @@ TEST(OpenMethod, DoesNotKnowWhetherThePatternsAreThoseOfViewsThatStateNone) {
   ASSERT_TRUE(opened) << opened.error().text();
   EXPECT_EQ(opened->network->model().codes, bundled("e2lf-n4").codes);
   EXPECT_FALSE(opened->are_patterns_the_models());
-  EXPECT_TRUE(diagnose::contains(method_findings(*opened, {}), "patterns-unstated"));
+  EXPECT_TRUE(diagnose::contains(opened->findings, "patterns-unstated"));
 }
 
 TEST(Catalogue, NamesTheConditionedNetworksForThePatternsAndTheOutput) {
@@ -125,7 +124,7 @@ TEST(OpenMethod, NamesTheNetworkThatTakesWhatAnotherDoesNot) {
                                      {"e2lf-n4-cycle", "e2lf-n4-cycle-camera"}}) {
     const OpenedMethod method = open_method({.model = bundled(name), .events = {.camera = pixel_camera()}}).value();
     EXPECT_THAT(method.ready({.cycles = 6}).error().message, HasSubstr(remedy)) << name;
-    const diagnose::Findings findings = method_findings(method, {});
+    const diagnose::Findings& findings = method.findings;
     const auto foreign = std::ranges::find(findings, "pixels-foreign", &diagnose::Finding::code);
     ASSERT_NE(foreign, findings.end()) << name;
     EXPECT_THAT(foreign->remedy, HasSubstr(remedy)) << name;
@@ -206,8 +205,8 @@ TEST(OpenMethod, PatternsOfNobodyAreTheUsualOnes) {
 TEST(OpenSequence, FindsBlackOfPhysicalPixelsUnlessBrightnessIsMeasured) {
   const capture::Codes codes = *bundled("e2lf-n4").codes;
   const auto pixels = open_method({.algorithm = Algorithm::kInversion, .codes = codes, .camera = pixel_camera()});
-  EXPECT_FALSE(open_sequence(*pixels, {}, {.black = std::nullopt})->tone().black);
-  EXPECT_EQ(open_sequence(*pixels, {}, {.gain = 1.0F, .black = std::nullopt})->tone().black, 0.0F);
+  EXPECT_FALSE(open_sequence(*pixels, {.black = std::nullopt})->tone().black);
+  EXPECT_EQ(open_sequence(*pixels, {.gain = 1.0F, .black = std::nullopt})->tone().black, 0.0F);
 }
 
 }  // namespace

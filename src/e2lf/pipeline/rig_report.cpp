@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 
 #include "e2lf/base/progress.h"
+#include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/hot_pixels.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/diagnose/event_order.h"
@@ -13,6 +16,149 @@
 #include "e2lf/pipeline/event_run.h"
 
 namespace e2lf::pipeline {
+using diagnose::Finding;
+using diagnose::middle_of;
+using diagnose::OtherOrientation;
+using diagnose::Severity;
+namespace {
+
+// docs/experiments/findings.md states how often these thresholds are wrong.
+constexpr double kCameraRatio = 1.2;    // ratio of the error to that with the network's camera
+constexpr double kChangedRatio = 0.97;  // ratio of the error of changed events to that of the given ones
+constexpr double kClearRatio = 0.8;     // the same if the given events are explained as well as noise permits
+constexpr double kLeastExplained = 0.95, kMostExplained = 1.005;     // range of `ratio` for correct events
+constexpr size_t kMostSideSearched = 512, kMostSideOfChanged = 192;  // px
+
+/// Turns or mirrors square images as patterns would: a pattern that is mirrored on the aperture has the same effect as
+/// an unmirrored one on the mirrored scene.
+capture::EventImages oriented(const capture::EventImages& events, const OtherOrientation& to) {
+  const size_t side = events.width;
+  const auto along = [side](int of_y, int of_x, size_t y, size_t x) {
+    const size_t place = of_y != 0 ? y : x;
+    return of_y + of_x > 0 ? place : side - 1 - place;
+  };
+  capture::EventImages result(events.count, side, side);
+  for (size_t k = 0; k < events.count; ++k) {
+    for (size_t i = 0; i < events.image_size(); ++i) {
+      const size_t y = along(to.y_of_y, to.y_of_x, i / side, i % side);
+      const size_t x = along(to.x_of_y, to.x_of_x, i / side, i % side);
+      result.image(k)[i] = events.image(k)[y * side + x];
+    }
+  }
+  return result;
+}
+
+/// A possible mistake of the rig, as the change of the events that undoes it.
+struct Change {
+  const char* code;
+  std::string name, remedy, option;
+  std::function<capture::EventImages(const capture::EventImages&)> apply;
+};
+
+std::vector<Change> changes_of(size_t transitions) {
+  std::vector<Change> changes;
+  for (const diagnose::EventChange& change : diagnose::event_changes(transitions)) {
+    changes.push_back({change.code, change.name, change.remedy, change.option,
+                       [change](const capture::EventImages& events) { return change.apply(events); }});
+  }
+  for (const OtherOrientation& other : diagnose::kOtherOrientations) {
+    changes.push_back({"orientation-better-changed", other.name, other.remedy, "",
+                       [&other](const capture::EventImages& images) { return oriented(images, other); }});
+  }
+  return changes;
+}
+
+Result<double> error_of(const recon::Method& method, const recon::EventCheck& check,
+                        const capture::EventImages& events) {
+  E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, method(events, {}));
+  E2LF_ASSIGN_OR_RETURN(const recon::EventError error, recon::event_error(check, light_field, 1.0F, events));
+  return error.least;
+}
+
+/// A mistake that would explain the events better than none, and whether by so much that nothing else need explain it.
+struct BetterChange {
+  Finding finding;
+  bool is_clear = false;
+};
+
+/// Returns the mistake that would explain the events better than none, if there is one, and adds what was tried. One
+/// correct scene in twenty is explained slightly better in another order, so that a clear difference is required if the
+/// events are explained as well as their noise allows.
+Result<std::optional<BetterChange>> better_change(const FieldCheck& check, const Explanation& explained,
+                                                  const capture::EventImages& events, Json& tried) {
+  const size_t side = std::min({events.height, events.width, kMostSideOfChanged});
+  const recon::EventCheck own =
+      in_window(check.camera(), static_cast<double>(side) / static_cast<double>(events.width));
+  const capture::EventImages given = middle_of(events, side, side);
+  E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(check.method(), own, given));
+  const std::vector<Change> changes = changes_of(events.count);
+  const Change* best = nullptr;
+  double least = 0;
+  for (const Change& change : changes) {
+    if (stop_requested()) return std::optional<BetterChange>();
+    E2LF_ASSIGN_OR_RETURN(const double error, error_of(check.method(), own, change.apply(given)));
+    tried[change.name] = error / unchanged;
+    if (best != nullptr && error >= least) continue;
+    best = &change;
+    least = error;
+  }
+  const bool is_explained = explained.ratio >= kLeastExplained && explained.ratio <= kMostExplained;
+  if (best == nullptr || least >= (is_explained ? kClearRatio : kChangedRatio) * unchanged) {
+    return std::optional<BetterChange>();
+  }
+  const auto rounded = [](double value) { return std::round(1000 * value) / 1000; };
+  Finding finding{best->code,
+                  Severity::kError,
+                  cat("the events are explained better ", best->name, ": the light field differs from them by ",
+                      rounded(least), " instead of ", rounded(unchanged)),
+                  best->remedy,
+                  {{"error", least}, {"unchanged_error", unchanged}, {"change", best->name}},
+                  best->option};
+  // The parallax is more sensitive to the patterns, and independent of the polarity and the order of event images.
+  const bool is_clear = finding.option == "invert_polarity" || least < kClearRatio * unchanged;
+  return std::optional(BetterChange{std::move(finding), is_clear});
+}
+
+/// Returns the finding that the camera of the network explains the events much better than the one that was given.
+Result<std::optional<Finding>> worse_camera(const OpenedMethod& method, const FieldCheck& check,
+                                            const Explanation& explained, const capture::EventImages& events) {
+  if (!method.models_camera) return std::optional<Finding>();
+  const capture::EventImages given = middle_of(events, kMostSideSearched, kMostSideSearched);
+  recon::EventCheck models = check.camera();
+  models.pixels = method.models_camera;
+  const auto network = std::make_shared<const recon::Reconstructor>(method.network->with_camera(*method.models_camera));
+  const double share_of_width = static_cast<double>(given.width) / static_cast<double>(events.width);
+  E2LF_ASSIGN_OR_RETURN(const double other, error_of(method_of(network, {.cycles = models.cycles}),
+                                                     in_window(models, share_of_width), given));
+  if (explained.error <= kCameraRatio * other) return std::optional<Finding>();
+  return std::optional(Finding{"camera-worse",
+                               Severity::kError,
+                               cat("the camera that was given explains the events much worse than the one for which "
+                                   "the network was trained: the light field differs from them by ",
+                                   explained.error, " instead of ", other),
+                               "omit the camera, or calibrate again",
+                               {{"error", explained.error}, {"error_with_the_models_camera", other}},
+                               "camera"});
+}
+
+}  // namespace
+
+Result<RigSearch> search_rig(const OpenedMethod& method, const FieldCheck& check, const Explanation& explained,
+                             const capture::EventImages& cycle, const capture::EventImages& sum) {
+  RigSearch found;
+  E2LF_ASSIGN_OR_RETURN(auto camera, worse_camera(method, check, explained, cycle));
+  if (camera) {
+    found.findings.push_back(std::move(*camera));
+    return found;
+  }
+  E2LF_ASSIGN_OR_RETURN(auto change, better_change(check, explained, cycle, found.changes));
+  auto places = diagnose::check_places(sum, check.camera().codes, check.camera().pixels);
+  const bool is_of_places = places && !(change && change->is_clear) && (places->severity != Severity::kNote || !change);
+  if (is_of_places) found.findings.push_back(std::move(*places));
+  if (change && !is_of_places) found.findings.push_back(std::move(change->finding));
+  return found;
+}
+
 namespace {
 
 /// The first cycles of a rig.
@@ -63,22 +209,19 @@ std::vector<std::pair<std::string, capture::Codes>> bundled_patterns() {
 }
 
 /// Opens the method for some patterns and judges the first cycle. Returns nothing if it does not compare them.
-Result<std::optional<PatternFit>> fit_of(const std::string& name, MethodChoice choice, const CycleInput& input,
+Result<std::optional<PatternFit>> fit_of(const std::string& name, MethodChoice choice,
                                          const capture::EventImages& cycle, diagnose::Findings& findings) {
-  E2LF_ASSIGN_OR_RETURN(
-      ChosenMethod chosen,
-      choose_method(std::move(choice), {}, input.is_recording() ? &input.reader().schedule() : nullptr));
-  E2LF_ASSIGN_OR_RETURN(const auto check, FieldCheck::create(chosen.method, {}));
+  E2LF_ASSIGN_OR_RETURN(OpenedMethod method, open_method(std::move(choice)));
+  E2LF_ASSIGN_OR_RETURN(const auto check, FieldCheck::create(method));
   if (!check) return std::optional<PatternFit>();
   E2LF_ASSIGN_OR_RETURN(auto explained, check->judge_events(cycle));
   if (!explained) return std::optional<PatternFit>();
-  if (name.empty()) findings.insert(findings.end(), chosen.findings.begin(), chosen.findings.end());
-  return std::optional(PatternFit{name, std::move(chosen.method), std::move(*explained)});
+  if (name.empty()) findings.insert(findings.end(), method.findings.begin(), method.findings.end());
+  return std::optional(PatternFit{name, std::move(method), std::move(*explained)});
 }
 
 /// Judges the patterns that are stated, or else all bundled ones.
-Result<void> add_fits(const MethodChoice& choice, const CycleInput& input, const capture::EventImages& cycle,
-                      RigReport& report) {
+Result<void> add_fits(const MethodChoice& choice, const capture::EventImages& cycle, RigReport& report) {
   std::vector<std::pair<std::string, std::optional<capture::Codes>>> patterns = {{"", choice.codes}};
   if (!choice.model && !choice.codes && !choice.events.codes) {
     patterns.clear();
@@ -89,7 +232,7 @@ Result<void> add_fits(const MethodChoice& choice, const CycleInput& input, const
     if (stop_requested()) return {};
     MethodChoice with_patterns = choice;
     with_patterns.codes = codes;
-    auto fit = fit_of(name, std::move(with_patterns), input, cycle, report.findings);
+    auto fit = fit_of(name, std::move(with_patterns), cycle, report.findings);
     if (fit && *fit) report.fits.push_back(std::move(**fit));
     if (!fit && stop_requested()) return {};
     if (!fit) report.no_network = fit.error();
@@ -130,8 +273,9 @@ Result<RigReport> examine_rig(CycleInput& input, MethodChoice choice, const std:
 
   choice.measurement = capture::MeasurementKind::kEventImages;
   choice.transitions = input.transitions();
+  if (input.is_recording()) choice.schedule = &input.reader().schedule();
   E2LF_ASSIGN_OR_RETURN(choice.events, input.setup());
-  E2LF_RETURN_IF_ERROR(add_fits(choice, input, cycles.first, report));
+  E2LF_RETURN_IF_ERROR(add_fits(choice, cycles.first, report));
   const PatternFit* best = report.fits.empty() ? nullptr : &report.fits.front();
   add(diagnose::check_event_images(cycles.first), report.findings);
   if (best == nullptr) return report;
@@ -141,7 +285,7 @@ Result<RigReport> examine_rig(CycleInput& input, MethodChoice choice, const std:
     if (auto other = diagnose::check_order(cycles.sum, summed, best->method.known_setup())) {
       add({*std::move(other)}, report.findings);
     }
-    E2LF_ASSIGN_OR_RETURN(const auto check, FieldCheck::create(best->method, {}));
+    E2LF_ASSIGN_OR_RETURN(const auto check, FieldCheck::create(best->method));
     auto found = search_rig(best->method, *check, best->explained, cycles.first, cycles.sum);
     if (!found && !stop_requested()) return found.error();
     if (found) {

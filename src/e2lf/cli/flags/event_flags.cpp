@@ -112,39 +112,41 @@ namespace {
 /// Declares how the times at which patterns change are found, which applies to recordings alone.
 void add_change_options(CLI::App& app, CycleFlags& flags) {
   const OptionGroup group(app, kCycleOptions);
-  add_choice(app, "--source", flags.options.source, kCycleSources,
+  add_choice(app, "--source", flags.events.cycles.source, kCycleSources,
              "source of the times at which patterns change: triggers, bursts (the events), schedule, auto");
   app.add_option("--schedule", flags.schedule,
                  "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
       ->check(CLI::ExistingFile);
-  app.add_option("--patterns", flags.choice.num_patterns,
+  app.add_option("--patterns", flags.events.schedule.num_patterns,
                  "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
       ->check(whole_number(2, 64));
-  add_choice(app, "--edge", flags.options.edge, cycles::kTriggerEdges, "trigger edge: rising, falling, both");
-  app.add_option("--channel", flags.options.channel, "trigger input; default: all");
+  add_choice(app, "--edge", flags.events.cycles.edge, cycles::kTriggerEdges, "trigger edge: rising, falling, both");
+  app.add_option("--channel", flags.events.cycles.channel, "trigger input; default: all");
   app.add_option(
-      "--first-pattern", flags.options.tracker.first_pattern,
+      "--first-pattern", flags.events.cycles.tracker.first_pattern,
       "pattern of the first trigger or burst, from 0; default: determined from the intervals and the events");
-  app.add_flag("--one-trigger-per-cycle", flags.options.one_trigger_per_cycle, "triggers mark cycles, not patterns");
-  app.add_option("--origin-us", flags.origin_us,
+  app.add_flag("--one-trigger-per-cycle", flags.events.cycles.one_trigger_per_cycle,
+               "triggers mark cycles, not patterns");
+  app.add_option("--origin-us", flags.events.origin_us,
                  "--source schedule: the time at which the first pattern of any cycle began");
   app.add_option(
-         "--trigger-delay-us", flags.options.trigger_delay_us,
+         "--trigger-delay-us", flags.events.cycles.trigger_delay_us,
          "time from a trigger to the change of the pattern, such as the latency of the display; negative if the "
          "pattern changes first")
       ->check(CLI::Range(-100'000, 100'000));
-  app.add_flag("--filter-pixels", flags.options.filters_pixels, "give hot pixels the events of their neighbours");
+  app.add_flag("--filter-pixels", flags.events.cycles.filters_pixels, "give hot pixels the events of their neighbours");
 }
 
 }  // namespace
 
 void add_cycle_options(CLI::App& app, CycleFlags& flags) {
-  add_choice(app, "--transitions", flags.choice.transitions, {"auto", "lit", "all"},
+  add_choice(app, "--transitions", flags.events.schedule.transitions, {"auto", "lit", "all"},
              "event images of the changes to the active patterns a2 ... aN (lit), or of all changes of the whole "
              "cycle (all); auto selects all if the network or the patterns of the recording require it; reconstruct "
              "then uses the lit ones in cycles during which the scene moves too much");
-  app.add_flag("--invert-polarity", flags.options.invert_polarity, "exchange ON and OFF events");
-  app.add_option("--max-cycles", flags.max_cycles, "maximum number of complete cycles; 0 = all")->capture_default_str();
+  app.add_flag("--invert-polarity", flags.events.cycles.invert_polarity, "exchange ON and OFF events");
+  app.add_option("--max-cycles", flags.events.max_cycles, "maximum number of complete cycles; 0 = all")
+      ->capture_default_str();
   add_change_options(app, flags);
   add_recording_options(app, flags.recording);
 }
@@ -159,38 +161,15 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_recording(const fs::pa
   return reader;
 }
 
-}  // namespace
-
+/// Returns the options for these flags, and reads the schedule that they name.
 Result<pipeline::CycleInputOptions> cycle_input_options(const fs::path& input, const CycleFlags& flags) {
-  pipeline::CycleInputOptions options{.input = input,
-                                      .max_cycles = flags.max_cycles,
-                                      .is_strict = flags.recording.is_strict,
-                                      .cycles = flags.options,
-                                      .schedule = flags.choice,
-                                      .origin_us = flags.origin_us};
+  pipeline::CycleInputOptions options = flags.events;
+  options.input = input;
+  options.is_strict = flags.recording.is_strict;
   if (!flags.schedule.empty()) {
     E2LF_ASSIGN_OR_RETURN(options.schedule.schedule, cycles::read_schedule(flags.schedule));
   }
   return options;
-}
-
-Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags) {
-  E2LF_ASSIGN_OR_RETURN(auto recording, open_recording(input, flags.recording));
-  E2LF_ASSIGN_OR_RETURN(const pipeline::CycleInputOptions options, cycle_input_options(input, flags));
-  return pipeline::open_cycles(std::move(recording), options);
-}
-
-Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const CycleFlags& flags, const Verb& verb) {
-  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(input, flags, verb));
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInputOptions options, cycle_input_options(input, flags));
-  return pipeline::CycleInput::open(std::move(events), std::move(options));
-}
-
-void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
-  add_count(app, "--fuse", most_cycles, 1, recon::kMostFusedCycles,
-            cat("make a ", result,
-                " of each cycle, and average each pixel over up to this number of cycles, but none from before the "
-                "scene changed there; for networks conditioned on the sensor profile"));
 }
 
 Result<pipeline::EventSource> open_events(const fs::path& input, const CycleFlags& flags, const Verb& verb) {
@@ -205,6 +184,31 @@ Result<pipeline::EventSource> open_events(const fs::path& input, const CycleFlag
   E2LF_RETURN_IF_ERROR(verb.refuse_options(kOptionsOfRecordings, kind_text(kind)));
   E2LF_ASSIGN_OR_RETURN(capture::MeasurementFile file, capture::read_measurements(input));
   return pipeline::EventSource(std::move(file));
+}
+
+}  // namespace
+
+Result<cycles::CycleReader> open_cycles(const fs::path& input, const CycleFlags& flags,
+                                        const pipeline::MethodChoice& method) {
+  E2LF_ASSIGN_OR_RETURN(auto recording, open_recording(input, flags.recording));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInputOptions options, cycle_input_options(input, flags));
+  options.schedule = pipeline::wanted_schedule(std::move(options.schedule), method);
+  return pipeline::open_cycles(std::move(recording), options);
+}
+
+Result<pipeline::CycleInput> open_cycle_input(const fs::path& input, const CycleFlags& flags, const Verb& verb,
+                                              const pipeline::MethodChoice& method) {
+  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(input, flags, verb));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInputOptions options, cycle_input_options(input, flags));
+  options.schedule = pipeline::wanted_schedule(std::move(options.schedule), method);
+  return pipeline::CycleInput::open(std::move(events), std::move(options));
+}
+
+void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result) {
+  add_count(app, "--fuse", most_cycles, 1, recon::kMostFusedCycles,
+            cat("make a ", result,
+                " of each cycle, and average each pixel over up to this number of cycles, but none from before the "
+                "scene changed there; for networks conditioned on the sensor profile"));
 }
 
 using pipeline::OpenedMethod;
@@ -227,9 +231,9 @@ void add_method_options(CLI::App& app, MethodFlags& flags, const std::string& so
                     cat("the camera, for networks conditioned on the sensor profile; default: the one that ", source,
                         " states, or else the one for which the model was trained"));
   const OptionGroup group(app, kNetworkOptions);
-  add_choice(app, "--precision", flags.precision, {"auto", "float32", "bfloat16", "float16", "int16"},
+  add_choice(app, "--precision", flags.choice.precision, {"auto", "float32", "bfloat16", "float16", "int16"},
              "arithmetic of the network: auto, float32, bfloat16, float16 (with --device cuda) or int16");
-  add_device_option(app, flags.device);
+  add_device_option(app, flags.choice.device);
 }
 
 void add_tone_options(CLI::App& app, MethodFlags& flags) {
@@ -250,7 +254,7 @@ void add_device_option(CLI::App& app, std::string& device) {
 }
 
 Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record) {
-  pipeline::MethodChoice choice{.precision = flags.precision, .device = flags.device};
+  pipeline::MethodChoice choice = flags.choice;
   E2LF_ASSIGN_OR_RETURN(choice.model, read_named_model(flags.codes, record));
   if (!flags.codes.codes.empty()) {
     E2LF_ASSIGN_OR_RETURN(choice.codes, pipeline::read_patterns(flags.codes.codes));
@@ -298,7 +302,7 @@ void log_chosen_network(const OpenedMethod& method) {
   }
 }
 
-void record_network(const OpenedMethod& method, size_t passes, RunRecord& record) {
+void record_network(const OpenedMethod& method, RunRecord& record) {
   const bool is_stated = pipeline::are_patterns_stated(method.codes);
   const StatedBy stated_by = is_stated ? method.codes->stated_by : StatedBy::kNone;
   record.note("patterns", {{"stated_by", stated_by_name(stated_by, "--codes")},
@@ -306,12 +310,12 @@ void record_network(const OpenedMethod& method, size_t passes, RunRecord& record
   const char* precision = word_of(method.network->engine().precision(), engine::kPrecisions);
   record.resolve("precision", precision);
   record.note("precision", precision);
-  record.note("passes", method.network->num_passes(passes));
+  record.note("passes", method.network->num_passes(method.use.passes));
 }
 
 }  // namespace
 
-void record_method(const OpenedMethod& method, size_t passes, RunRecord& record) {
+void record_method(const OpenedMethod& method, RunRecord& record) {
   if (method.camera && method.camera_stated_by != StatedBy::kNone) {
     record.note("camera", capture::to_json(*method.camera));
     record.note("camera_stated_by", stated_by_name(method.camera_stated_by, "--camera"));
@@ -325,7 +329,7 @@ void record_method(const OpenedMethod& method, size_t passes, RunRecord& record)
   }
   if (method.network) {
     if (method.bundled) log_chosen_network(method);
-    record_network(method, passes, record);
+    record_network(method, record);
   }
   if (!method.codes) return;
   const capture::SensorConstants& constants = method.codes->constants;
@@ -334,6 +338,16 @@ void record_method(const OpenedMethod& method, size_t passes, RunRecord& record)
                             {"sigma_w", json_number(constants.sigma_w)},
                             {"sigma_z", json_number(constants.sigma_z)},
                             {"event_model", method.codes->event_model}});
+}
+
+Result<pipeline::EventRun> open_event_run(const fs::path& input, const CycleFlags& cycles, const MethodFlags& method,
+                                          const OrientationFlags& turned, const Verb& verb, RunRecord& record) {
+  pipeline::EventRunOptions options{.turned = turned.value()};
+  E2LF_ASSIGN_OR_RETURN(options.method, named_choice(method, record));
+  E2LF_ASSIGN_OR_RETURN(options.tone, tone_of(method));
+  E2LF_ASSIGN_OR_RETURN(options.events, cycle_input_options(input, cycles));
+  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(input, cycles, verb));
+  return pipeline::EventRun::open(std::move(events), std::move(options));
 }
 
 }  // namespace e2lf::cli

@@ -9,14 +9,10 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/cli/verbs.h"
-#include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/info/recording_report.h"
-#include "e2lf/pipeline/cycle_input.h"
-#include "e2lf/pipeline/field_sequence.h"
-#include "e2lf/pipeline/method.h"
+#include "e2lf/pipeline/event_run.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/outputs.h"
-#include "e2lf/recordings/recording.h"
 
 namespace e2lf::cli {
 
@@ -44,11 +40,8 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags);
 
 /// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
-  cycles::CycleOptions options;     ///< without the schedule; its callbacks are those of the caller
-  pipeline::ScheduleChoice choice;  ///< without the schedule
+  pipeline::CycleInputOptions events;  ///< without the input and the schedule; its callbacks are those of the caller
   std::filesystem::path schedule;
-  std::optional<int64_t> origin_us;
-  uint64_t max_cycles = 0;  ///< 0 = all
   RecordingFlags recording;
 };
 
@@ -58,29 +51,24 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// Declares --fuse, the largest number of cycles in a mean; `result` is what the verb makes of each cycle.
 void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 
-/// Returns the options of the pipeline for these flags, and reads the schedule that they name. Fails as
-/// cycles::read_schedule() does.
-[[nodiscard]] Result<pipeline::CycleInputOptions> cycle_input_options(const std::filesystem::path& input,
-                                                                      const CycleFlags& flags);
+/// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles, of which
+/// those are wanted that `method` needs. The source "auto" selects triggers if the recording begins with some, and
+/// bursts otherwise. Fails with kInvalidValue if the schedule is the only source of times and --origin-us is missing.
+[[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
+                                                      const pipeline::MethodChoice& method = {});
 
-/// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles. The source
-/// "auto" selects triggers if the recording begins with some, and bursts otherwise. Fails with kInvalidValue if the
-/// schedule is the only source of times and --origin-us is missing.
-[[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags);
-
-/// Opens event images, another measurement, or a recording, and logs what was assumed about the latter. Fails with
-/// kInvalidValue if flags for recordings are given for a measurement.
-[[nodiscard]] Result<pipeline::EventSource> open_events(const std::filesystem::path& input, const CycleFlags& flags,
-                                                        const Verb& verb);
-
-/// Opens these and divides a recording into cycles. Fails as open_events() and pipeline::CycleInput::open() do.
+/// Opens event images, another measurement, or a recording, and logs what was assumed about the latter, which is
+/// divided into the cycles that `method` needs. Fails with kInvalidValue if flags for recordings are given for a
+/// measurement, and as pipeline::CycleInput::open() does.
 [[nodiscard]] Result<pipeline::CycleInput> open_cycle_input(const std::filesystem::path& input, const CycleFlags& flags,
-                                                            const Verb& verb);
+                                                            const Verb& verb,
+                                                            const pipeline::MethodChoice& method = {});
 
 /// The flags of the verbs that reconstruct light fields.
 struct MethodFlags {
   CodesSource codes;
-  std::string precision = "auto", device = "cpu", gain = "auto", black = "auto", camera;
+  pipeline::MethodChoice choice;  ///< without the model, the patterns and the camera
+  std::string gain = "auto", black = "auto", camera;
 };
 
 /// Declares -m, --codes, --camera, --precision and --device. `source` is what may state the camera.
@@ -92,17 +80,22 @@ void add_device_option(CLI::App& app, std::string& device);
 /// Declares --gain and --black, for verbs whose output is a light field.
 void add_tone_options(CLI::App& app, MethodFlags& flags);
 
-/// Reads the model, the patterns and the camera that the flags name, adds them to the record, and takes over the
-/// precision and the device. Fails as reading them does.
+/// Returns the choice with the model, the patterns and the camera that the flags name, and adds them to the record.
+/// Fails as reading them does.
 [[nodiscard]] Result<pipeline::MethodChoice> named_choice(const MethodFlags& flags, RunRecord& record);
 
 /// Parses --gain (a positive number) and --black (a number of at least 0); "auto" leaves them to the method. Fails with
 /// kInvalidValue.
 [[nodiscard]] Result<pipeline::Tone> tone_of(const MethodFlags& flags);
 
+/// Opens a run from the events of `input`, whose views are `turned` in addition. Fails as reading what the flags name
+/// and EventRun::open() do.
+[[nodiscard]] Result<pipeline::EventRun> open_event_run(const std::filesystem::path& input, const CycleFlags& cycles,
+                                                        const MethodFlags& method, const OrientationFlags& turned,
+                                                        const Verb& verb, RunRecord& record);
+
 /// Logs which network was chosen by default, and records the decisions behind a method: the network or patterns that
-/// were chosen by default, and the sources of the patterns and the sensor profile. `passes` is the requested number of
-/// passes.
-void record_method(const pipeline::OpenedMethod& method, size_t passes, RunRecord& record);
+/// were chosen by default, and the sources of the patterns and the sensor profile.
+void record_method(const pipeline::OpenedMethod& method, RunRecord& record);
 
 }  // namespace e2lf::cli

@@ -76,21 +76,10 @@ void log_motion(const fs::path& input, const pipeline::EventRunReport& report, c
 
 }  // namespace
 
-Result<pipeline::EventRun> open_event_run(const fs::path& input, const CycleFlags& cycles, const MethodFlags& method,
-                                          pipeline::EventRunOptions options, const Verb& verb, RunRecord& record) {
-  const pipeline::Algorithm algorithm = options.method.algorithm;
-  E2LF_ASSIGN_OR_RETURN(options.method, named_choice(method, record));
-  options.method.algorithm = algorithm;
-  E2LF_ASSIGN_OR_RETURN(options.tone, tone_of(method));
-  E2LF_ASSIGN_OR_RETURN(options.events, cycle_input_options(input, cycles));
-  E2LF_ASSIGN_OR_RETURN(pipeline::EventSource events, open_events(input, cycles, verb));
-  return pipeline::EventRun::open(std::move(events), std::move(options));
-}
-
 EventRunLog::EventRunLog(const pipeline::EventRun& run, fs::path input, RunRecord& record)
     : run_(run), input_(std::move(input)) {
-  record_method(run.method(), run.use().passes, record);
-  diagnose::log_findings(input_.string(), run.findings_of_input());
+  record_method(run.method(), record);
+  diagnose::log_findings(input_.string(), run.method().findings);
   record.end_step("open");
 }
 
@@ -118,13 +107,14 @@ Result<Json> EventRunLog::finish(const Verb& verb, RunRecord& record) {
   warn_of_losses(input_, report.left_out);
   verb.set_failed_input(report.left_out.live.failure);
   log_motion(input_, report, run_.method());
-  if (run_.is_recording()) {
-    const cycles::CycleReader& reader = run_.reader();
+  if (run_.input().is_recording()) {
+    const cycles::CycleReader& reader = run_.input().reader();
+    const diagnose::RigCheck& rig = run_.input().rig();
     live_.finish(reader.report());
-    if (report.results == 0) return no_cycle_error(input_, run_.rig(), reader);
-    diagnose::log_findings(input_.string(), run_.rig().findings(reader));
+    if (report.results == 0) return no_cycle_error(input_, rig, reader);
+    diagnose::log_findings(input_.string(), rig.findings(reader));
     record.resolve("source", word_of(reader.source(), kCycleSources));
-    record.note("found", report_json(run_.rig(), reader));
+    record.note("found", report_json(rig, reader));
     record.note(reading_notes(input_, reader.recording().info()));
   }
   const Json told = {{"left_out", losses_json(report.left_out)}, {"findings", diagnose::to_json(report.findings)}};

@@ -53,12 +53,6 @@ class ResultParts {
   bool is_one_, is_strict_, is_in_place_ = false;
 };
 
-/// Reads what the flags of a verb name, and opens a run with the remaining `options`. Fails as reading them and
-/// EventRun::open() do.
-[[nodiscard]] Result<pipeline::EventRun> open_event_run(const std::filesystem::path& input, const CycleFlags& cycles,
-                                                        const MethodFlags& method, pipeline::EventRunOptions options,
-                                                        const Verb& verb, RunRecord& record);
-
 /// Logs the course of a run from events, and converts it to JSON for the record.
 class EventRunLog {
  public:

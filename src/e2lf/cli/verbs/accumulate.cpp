@@ -242,9 +242,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
     record.add_input(arguments.codes);
   }
   CycleFlags flags = arguments.cycles;
-  flags.choice = pipeline::wanted_schedule(flags.choice, {.codes = codes});
-  observe(flags.options, bar, reports.is_wanted() ? &read.plot : nullptr);
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb));
+  observe(flags.events.cycles, bar, reports.is_wanted() ? &read.plot : nullptr);
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb, {.codes = codes}));
   E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(output.path()));
   E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, setup_of(arguments, codes, input.reader()));
   E2LF_RETURN_IF_ERROR(write_cycles(arguments, setup, input, *writer, scene, read));

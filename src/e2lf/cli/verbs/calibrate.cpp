@@ -106,7 +106,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_ASSIGN_OR_RETURN(const std::optional<model::Model> model, read_named_model(arguments.codes, record));
   E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::KnownCodes> known, find_codes(arguments.codes, model, stated, record));
   if (!known) return fail(ErrorCode::kNotFound, "", "the patterns of the events are not known; give --codes FILE");
-  match_transitions(arguments.cycles.choice.transitions, known->codes, scenes);
+  match_transitions(arguments.cycles.events.schedule.transitions, known->codes, scenes);
   start.name = arguments.name.empty() ? arguments.output.stem().string() : arguments.name;
   record.end_step("read");
 

@@ -154,11 +154,9 @@ std::string page(const RigArguments& arguments, const RigReport& report, const J
 Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
-  CycleFlags flags = arguments.cycles;
-  flags.choice = pipeline::wanted_schedule(flags.choice, choice);
   std::optional<Deadline> deadline;
   if (is_live(arguments.input)) deadline.emplace(arguments.seconds);
-  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb));
+  E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, arguments.cycles, verb, choice));
   E2LF_ASSIGN_OR_RETURN(
       const RigReport report,
       pipeline::naming(arguments.input, pipeline::examine_rig(input, std::move(choice), [&] { deadline.reset(); })));
@@ -183,7 +181,7 @@ int run_check(const std::vector<std::string>& arguments) {
             "e2lf check recording.raw");
   RigArguments rig;
   rig.of_reconstruct = words_of_reconstruct(arguments);
-  rig.cycles.max_cycles = 16;
+  rig.cycles.events.max_cycles = 16;
   CLI::App& app = verb.app();
   app.add_option("input,-i,--input", rig.input,
                  "recording, event images, - for a pipe, tcp://127.0.0.1:PORT, camera://NAME or replay:FILE")

@@ -188,7 +188,6 @@ struct DepthArguments {
   std::optional<size_t> view_row, view_column;
   LightFieldFlags light_field;
   MethodFlags method;
-  pipeline::MethodUse use;
   CycleFlags cycles;
 };
 
@@ -257,18 +256,16 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
                                          "--white",         "--view-columns", "--lenslet-views"};
   E2LF_RETURN_IF_ERROR(refuse(verb, kOfLightFields, "only applies to light fields, not to events; leave it out"));
   // Before there is an output, because the program that continues would find it unfinished.
-  E2LF_RETURN_IF_ERROR(require_device(arguments.method.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.method.choice.device));
   const fs::path& path = arguments.output.input;
   RunRecord record(verb);
-  auto opened = open_event_run(path, arguments.cycles, arguments.method,
-                               {.method = {.algorithm = pipeline::Algorithm::kDepth},
-                                .use = arguments.use,
-                                .turned = arguments.light_field.orientation.value()},
-                               verb, record);
+  arguments.method.choice.algorithm = pipeline::Algorithm::kDepth;
+  auto opened =
+      open_event_run(path, arguments.cycles, arguments.method, arguments.light_field.orientation, verb, record);
   if (!opened) return of_maps(opened.error());
   pipeline::EventRun run = *std::move(opened);
   EventRunLog log(run, path, record);
-  arguments.output.is_one = run.has_one_result();
+  arguments.output.is_one = run.input().has_one_field();
   arguments.output.is_strict = arguments.cycles.recording.is_strict;
   const auto source = [&, number = size_t{0}]() mutable -> Result<std::optional<DisparityResult>> {
     const std::string name = cycle_name(number++);
@@ -339,9 +336,9 @@ int run_depth(const std::vector<std::string>& arguments) {
   add_light_field_options(app, depth_arguments.light_field, /*has_views=*/true);
   add_orientation_options(app, depth_arguments.light_field.orientation);
   add_method_options(app, depth_arguments.method, "the file of the events");
-  add_count(app, "--cycles-per-map", depth_arguments.use.cycles, 1, 64,
+  add_count(app, "--cycles-per-map", depth_arguments.method.choice.use.cycles, 1, 64,
             "events: number of cycles of a static scene from which each map is estimated");
-  add_fuse_option(app, depth_arguments.use.fused_cycles, "map");
+  add_fuse_option(app, depth_arguments.method.choice.use.fused_cycles, "map");
   add_cycle_options(app, depth_arguments.cycles);
   verb.stop_gently();
   return verb.run(arguments, [&] { return run(depth_arguments, verb); });

@@ -17,7 +17,6 @@
 #include "e2lf/live/page/live_page.h"
 #include "e2lf/live/session.h"
 #include "e2lf/pipeline/event_run.h"
-#include "e2lf/pipeline/method_findings.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/outputs.h"
 #include "e2lf/program/sibling_program.h"
@@ -74,9 +73,7 @@ Result<void> check_takes_events(const pipeline::OpenedMethod& method, const fs::
 }
 
 /// Opens a network, and checks that it takes the event images of the cycles.
-Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, const cycles::CycleReader& cycles,
-                                            pipeline::MethodChoice choice) {
-  choice.transitions = cycles.schedule().num_images();
+Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, pipeline::MethodChoice choice) {
   E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
                         pipeline::naming(arguments.source, pipeline::open_method(std::move(choice))));
   E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
@@ -84,8 +81,7 @@ Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, cons
 }
 
 /// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
-Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& arguments,
-                                                       const cycles::CycleReader& cycles, pipeline::MethodChoice choice,
+Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& arguments, pipeline::MethodChoice choice,
                                                        const std::optional<pipeline::KnownCodes>& codes,
                                                        RunRecord& record) {
   choice.algorithm = pipeline::Algorithm::kDepth;
@@ -96,7 +92,7 @@ Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& argu
     E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(arguments.depth_model));
     record.add_input(arguments.depth_model);
   }
-  auto method = open_network(arguments, cycles, std::move(choice));
+  auto method = open_network(arguments, std::move(choice));
   if (!method && !is_named) return std::optional<recon::Reconstructor>();
   if (!method) return method.error();
   return std::optional<recon::Reconstructor>(*method->network);
@@ -130,19 +126,17 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   LiveSetup setup;
   E2LF_ASSIGN_OR_RETURN(pipeline::MethodChoice choice, named_choice(arguments.method, record));
   E2LF_ASSIGN_OR_RETURN(choice.prefers_conditioned, wants_fusion(arguments));
-  const pipeline::MethodUse use{.fused_cycles = arguments.is_fuse_named ? arguments.fuse : 1};
   choice.prefers_fast = true;
   CycleFlags flags = arguments.cycles;
-  flags.choice = pipeline::wanted_schedule(flags.choice, choice);
   const live::OpenCycles open = [&](const auto& on_batch) {
-    flags.options.on_batch = on_batch;
-    return open_cycles(arguments.source, flags);
+    flags.events.cycles.on_batch = on_batch;
+    return open_cycles(arguments.source, flags, choice);
   };
   E2LF_ASSIGN_OR_RETURN(
       setup.reader,
       live::LiveReader::open(open, {.recordings = recordings,
-                                    .is_inverted = flags.options.invert_polarity,
-                                    .max_cycles = flags.max_cycles,
+                                    .is_inverted = flags.events.cycles.invert_polarity,
+                                    .max_cycles = flags.events.max_cycles,
                                     .speed = cameras::replay_speed(arguments.source.string()),
                                     .on_finding = [source = arguments.source.string()](const auto& finding) {
                                       diagnose::log_findings(source, {finding});
@@ -150,13 +144,13 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   const cycles::CycleReader& cycles = setup.reader->cycles();
   E2LF_ASSIGN_OR_RETURN(choice.events, pipeline::setup_of_cycles(arguments.source, cycles));
   choice.transitions = cycles.schedule().num_images();
-  E2LF_ASSIGN_OR_RETURN(const pipeline::ChosenMethod chosen,
-                        pipeline::naming(arguments.source, pipeline::choose_method(choice, use, &cycles.schedule())));
-  const pipeline::OpenedMethod& method = chosen.method;
-  E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
-  record_method(method, 1, record);
-  setup.reader->add_findings(chosen.findings);
-  E2LF_ASSIGN_OR_RETURN(setup.options.depth, open_depth(arguments, cycles, choice, method.codes, record));
+  choice.schedule = &cycles.schedule();
+  choice.use.fused_cycles = arguments.is_fuse_named ? arguments.fuse : 1;
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, choice));
+  choice.use = {};
+  record_method(method, record);
+  setup.reader->add_findings(method.findings);
+  E2LF_ASSIGN_OR_RETURN(setup.options.depth, open_depth(arguments, choice, method.codes, record));
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
   if (!arguments.fine_model.empty()) {
@@ -164,7 +158,7 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
     record.add_input(arguments.fine_model);
   }
   if (!arguments.fine_model.empty() || method.bundled) {
-    E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, cycles, std::move(choice)));
+    E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, std::move(choice)));
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(arguments.method));
   setup.options.tone = method.complete(tone);
@@ -181,7 +175,7 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
     if (!findings.empty() || !is_confirmed) return findings;
     if (auto other = diagnose::check_order(events, summed, method.known_setup()))
       return diagnose::Findings{*std::move(other)};
-    const auto check = pipeline::FieldCheck::create(method, {.cycles = summed});
+    const auto check = pipeline::FieldCheck::create(method, summed);
     if (!check || !*check) return findings;  // for example, a network that takes no sums
     const auto explained = (*check)->judge_events(events);
     return explained && *explained ? (*explained)->findings : findings;
@@ -294,7 +288,7 @@ Result<void> run_session(const LiveArguments& arguments, LiveSetup setup, const 
 
 Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (!arguments.has_no_page && !kHasViewer) return no_viewer_error();
-  E2LF_RETURN_IF_ERROR(require_device(arguments.method.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.method.choice.device));
   if (!is_live(arguments.source)) {
     return fail(ErrorCode::kInvalidValue, arguments.source,
                 "a file is not a live source; give replay:FILE to play it at its own speed");

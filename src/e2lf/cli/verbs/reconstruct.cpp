@@ -27,9 +27,7 @@ constexpr Choice<pipeline::Algorithm> kMethods[] = {{"network", pipeline::Algori
 struct ReconstructArguments {
   fs::path input, output;
   MethodFlags method;
-  pipeline::Algorithm algorithm = pipeline::Algorithm::kNetwork;
   std::string format = "png";
-  pipeline::MethodUse use;
   CycleFlags cycles;
   OrientationFlags orientation;
 };
@@ -54,17 +52,14 @@ std::string result_text(const ReconstructArguments& arguments, bool is_one, size
 
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   // Before there is an output, because the program that continues would find it unfinished.
-  E2LF_RETURN_IF_ERROR(require_device(arguments.method.device));
+  E2LF_RETURN_IF_ERROR(require_device(arguments.method.choice.device));
   E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {arguments.input}));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::EventRun run, open_event_run(arguments.input, arguments.cycles, arguments.method,
-                                                               {.method = {.algorithm = arguments.algorithm},
-                                                                .use = arguments.use,
-                                                                .turned = arguments.orientation.value()},
-                                                               verb, record));
+                                                               arguments.orientation, verb, record));
   EventRunLog log(run, arguments.input, record);
   const Json views = views_json(run, arguments.format);
-  ResultParts parts(std::move(folder), run.has_one_result(), arguments.cycles.recording.is_strict);
+  ResultParts parts(std::move(folder), run.input().has_one_field(), arguments.cycles.recording.is_strict);
   Json cycles = Json::array();
   std::string of_first;
   while (cycles.empty() || !stop_requested()) {
@@ -96,7 +91,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   E2LF_RETURN_IF_ERROR(parts.finish(record));
   printed.update({{"output", arguments.output.string()}, {"cycles", cycles}});
   print_result(verb.common(), printed,
-               result_text(arguments, run.has_one_result(), report.results, report.tone, of_first));
+               result_text(arguments, run.input().has_one_field(), report.results, report.tone, of_first));
   print_next_step(cat("e2lf view ", shell_word(arguments.output.string())), verb.common());
   return {};
 }
@@ -116,15 +111,15 @@ int run_reconstruct(const std::vector<std::string>& arguments) {
   app.add_option("-o,--output", reconstruction.output, "folder to write")->required();
   add_method_options(app, reconstruction.method, "the file of the events");
   add_tone_options(app, reconstruction.method);
-  add_choice(app, "--method", reconstruction.algorithm, kMethods,
+  add_choice(app, "--method", reconstruction.method.choice.algorithm, kMethods,
              "network, or inversion in closed form, which needs no model, only patterns");
-  add_count(app, "--passes", reconstruction.use.passes, 1, 64,
+  add_count(app, "--passes", reconstruction.method.choice.use.passes, 1, 64,
             "number of runs of the network at shifted positions whose results are averaged: better quality, but "
             "proportionally slower (the paper's network supports only 1)");
-  add_count(app, "--cycles-per-field", reconstruction.use.cycles, 1, 64,
+  add_count(app, "--cycles-per-field", reconstruction.method.choice.use.cycles, 1, 64,
             "number of cycles of a static scene from which each light field is reconstructed: better with each "
             "doubling; for networks conditioned on the sensor profile");
-  add_fuse_option(app, reconstruction.use.fused_cycles, "light field");
+  add_fuse_option(app, reconstruction.method.choice.use.fused_cycles, "light field");
   add_choice(app, "--format", reconstruction.format, {"png", "png16", "npy"},
              "png, png16 (64 views) or npy (float32 [8, 8, y, x], not clamped)");
   add_cycle_options(app, reconstruction.cycles);

@@ -231,7 +231,7 @@ class DocumentMaker {
     // Frames show the polarity of the recording; with --invert-polarity, the events of cycles have the other one.
     const auto open_its_cycles = [&](const auto& on_batch) {
       CycleFlags observed = flags;
-      if (!flags.options.invert_polarity) observed.options.on_batch = on_batch;
+      if (!flags.events.cycles.invert_polarity) observed.events.cycles.on_batch = on_batch;
       return open_cycles(path, observed);
     };
     return view::add_recording(document_, name_of(path), {open, open_its_cycles}, arguments_.frames);
