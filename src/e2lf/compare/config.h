@@ -16,7 +16,7 @@ struct MethodConfig {
   std::string name;
   std::string algorithm = "network";                ///< one of kAlgorithms
   std::string model = {}, codes = {}, camera = {};  ///< names of files
-  std::vector<std::string> command = {};            ///< of an external program, see run_external()
+  std::vector<std::string> command = {};            ///< of an external program, see docs/compare.md
   size_t passes = 1;
   float gain = 1.0F;
   bool fit_gain = false;

@@ -3,14 +3,23 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/compare/external.h"
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/depth/disparity_error.h"
 #include "e2lf/eval/metrics.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/lightfield/light_field_io.h"
 #include "e2lf/lightfield/scene.h"
@@ -19,6 +28,7 @@
 #include "e2lf/pipeline/simulated_cycles.h"
 
 namespace e2lf::compare {
+namespace fs = std::filesystem;
 namespace {
 
 using lightfield::LightField;
@@ -110,6 +120,65 @@ Result<void> add_disparity(const lightfield::Image& truth, Outcome& outcome) {
   outcome.figures["disparity_slope"] = found.error.slope;
   outcome.disparity = std::move(found.disparity);
   return {};
+}
+
+Result<pid_t> start(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);  // stdout holds the results of e2lf
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, arguments.front(), &actions, nullptr, arguments.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error == 0) return child;
+  return fail(ErrorCode::kNotFound, words.front(), "the program cannot be started (", std::strerror(error),
+              "); correct the command");
+}
+
+Result<void> wait_for(pid_t child, const std::string& program) {
+  constexpr auto kPoll = std::chrono::milliseconds(10);
+  constexpr int kPatience = 500;  // polls from the request to stop until the program is killed
+  int status = 0, polls = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (stop_requested()) ::kill(child, ++polls > kPatience ? SIGKILL : SIGTERM);
+    std::this_thread::sleep_for(kPoll);
+  }
+  if (stop_requested()) return fail(ErrorCode::kCancelled, program, "the program was stopped");
+  if (WIFSIGNALED(status)) {
+    return fail(ErrorCode::kUnsupported, program, "the program was ended by signal ", WTERMSIG(status),
+                "; run it alone with the events of one scene");
+  }
+  if (WEXITSTATUS(status) == 0) return {};
+  return fail(ErrorCode::kUnsupported, program, "the program ended with exit code ", WEXITSTATUS(status),
+              "; its messages are above");
+}
+
+/// Reconstructs a light field with a program of the user, which is called as `COMMAND... EVENTS.npz LIGHT_FIELD.npy`:
+/// it reads the event images of all cycles, with their patterns and the camera, and writes the light field, float32
+/// [view_y, view_x, y, x]. What it prints goes to stderr. Fails with kNotFound (it cannot be started), kUnsupported (it
+/// ends with an error), kCancelled (a stop was requested, which ends the program), and as write_event_images() and
+/// read_light_field() do.
+Result<lightfield::LightField> run_external(const std::vector<std::string>& command,
+                                            const capture::EventImageFile& events) {
+  E2LF_ASSIGN_OR_RETURN(const Workspace folder,
+                        Workspace::create(fs::temp_directory_path() / cat("e2lf-external-", ::getpid())));
+  const fs::path input = folder.path() / "events.npz", output = folder.path() / "light_field.npy";
+  E2LF_RETURN_IF_ERROR(capture::write_event_images(input, events));
+  std::vector<std::string> words = command;
+  words.insert(words.end(), {input.string(), output.string()});
+  E2LF_ASSIGN_OR_RETURN(const pid_t child, start(std::move(words)));
+  E2LF_RETURN_IF_ERROR(wait_for(child, command.front()));
+  std::error_code error;
+  if (!fs::exists(output, error)) {
+    return fail(ErrorCode::kNotFound, command.front(),
+                "the program wrote no light field; write it to the last argument as .npy, float32 [8, 8, y, x]");
+  }
+  lightfield::ReadOptions options;
+  options.range = lightfield::RangePolicy::kKeep;
+  return lightfield::read_light_field(output, options);
 }
 
 }  // namespace

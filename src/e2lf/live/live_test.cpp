@@ -7,8 +7,6 @@
 #include <random>
 #include <thread>
 
-#include "e2lf/live/event_preview.h"
-#include "e2lf/live/live_cycle.h"
 #include "e2lf/live/live_reader.h"
 #include "e2lf/live/pace.h"
 #include "e2lf/live/render.h"

@@ -72,6 +72,16 @@ struct FieldReport {
   double latency_s = 0;
 };
 
+/// Computes event images of a lower resolution: each count is the sum over a block of side x side pixels (2 or 4),
+/// limited to the range of int16. Odd last rows and columns are left out. `sums` is resized if its shape differs,
+/// otherwise its memory is used again. A network takes the sums as those of side^2 cycles of one pixel. Images that are
+/// smaller than a block break the contract.
+void sum_blocks(const capture::EventImages& images, size_t side, capture::EventImages& sums);
+
+/// Computes fused cycles of a lower resolution: each count is the mean over a block, and the number of cycles is that
+/// of as many independent cycles of one pixel. The arguments are as above.
+void fuse_blocks(const capture::FusedCycles& fused, size_t side, capture::FusedCycles& blocks);
+
 /// Event images in the resolution of a picture.
 struct SizedMemory {
   capture::EventImages sums;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "e2lf/base/choice.h"
 
 namespace e2lf::live {
+using Clock = std::chrono::steady_clock;
 
 enum class PictureSize {
   kFull,     ///< a pixel of the light field for each pixel of the sensor

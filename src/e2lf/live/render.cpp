@@ -151,4 +151,23 @@ float disparity_at(const LiveField& field, float x, float y) {
   return kStep * static_cast<float>(place - kSteps);
 }
 
+lightfield::LightField enlarged(const lightfield::LightField& light_field, size_t height, size_t width) {
+  const lightfield::Shape& small = light_field.shape();
+  E2LF_REQUIRE(small.height > 0 && small.width > 0 && small.channels == 1, "a grey light field with pixels");
+  const size_t side = std::max<size_t>(1, std::min(height / small.height, width / small.width));
+  lightfield::LightField result({small.views_y, small.views_x, height, width, 1});
+  for (size_t view = 0; view < small.num_views(); ++view) {
+    const size_t row = view / small.views_x, column = view % small.views_x;
+    const std::span<const float> from = light_field.view(row, column);
+    const std::span<float> to = result.view(row, column);
+    for (size_t y = 0; y < height; ++y) {
+      const size_t from_y = std::min(y / side, small.height - 1);
+      for (size_t x = 0; x < width; ++x) {
+        to[y * width + x] = from[from_y * small.width + std::min(x / side, small.width - 1)];
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace e2lf::live

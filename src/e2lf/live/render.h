@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "e2lf/base/result.h"
+#include "e2lf/capture/measurement/measurement.h"
+#include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/lightfield/image.h"
 #include "e2lf/lightfield/refocus.h"
-#include "e2lf/live/live_cycle.h"
 #include "e2lf/live/pace.h"
 
 namespace e2lf::live {
@@ -22,6 +23,15 @@ struct RenderSettings {
   float radius = 0;          ///< radius of the round aperture, in view steps; 0 = only the viewpoint
   std::optional<uint32_t> row = {}, column = {};  ///< EPIs to cut, in px of the full resolution; empty = none
   bool operator==(const RenderSettings&) const = default;
+};
+
+/// A pattern cycle as the camera delivered it.
+struct LiveCycle : cycles::Cycle {
+  size_t cycles = 1;               ///< the number of cycles, of which it is the last one, that `images` sums
+  capture::FusedCycles fused;      ///< `images`, fused with those of the cycles before; empty if they are not
+  double fused_cycles = 0;         ///< mean of the number of cycles over the pixels of `fused`
+  double cycle_s = 0;              ///< time from the previous cycle to this one; 0 = unknown
+  Clock::time_point last_event{};  ///< arrival of its last event at this host
 };
 
 /// The light field of a cycle.
@@ -68,5 +78,9 @@ struct Picture {
 /// Returns the disparity from -5 to 5, in px per view step of the full size, at which the views agree best around a
 /// point (px of the full size).
 [[nodiscard]] float disparity_at(const LiveField& field, float x, float y);
+
+/// Returns a light field whose pixels are repeated to blocks until it has this size, of which its own size is a part:
+/// the inverse of sum_blocks(). The last pixels also fill a rest.
+[[nodiscard]] lightfield::LightField enlarged(const lightfield::LightField& light_field, size_t height, size_t width);
 
 }  // namespace e2lf::live

@@ -10,7 +10,6 @@
 
 #include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
-#include "e2lf/live/live_cycle.h"
 #include "e2lf/live/pace.h"
 #include "e2lf/recordings/recording.h"
 

@@ -8,7 +8,6 @@
 
 #include "e2lf/base/guarded.h"
 #include "e2lf/base/text.h"
-#include "e2lf/live/live_cycle.h"
 #include "e2lf/live/live_requests.h"
 #include "e2lf/view/document.h"
 #include "e2lf/view/server.h"
