@@ -15,18 +15,28 @@ void add_metrics(const Metrics& metrics, Json& json) {
   json["ssim_gaussian"] = finite_or_null(metrics.ssim_gaussian);
 }
 
-report::Cell quality_cell(double value, int decimals) {
-  return std::isinf(value) ? report::Cell{"inf", nullptr} : report::number_cell(value, decimals);
-}
-
-struct ToneColumn {
-  const char *name, *key;
-  std::optional<double> EvalRow::*value;
+/// A column of the table: its heading, its name for programs, the place of its value in the JSON of a row, and
+/// decimals.
+struct QualityColumn {
+  const char *name, *key, *place;
+  int decimals;
 };
-constexpr ToneColumn kTones[] = {{"gain", "gain", &EvalRow::gain},
-                                 {"black", "black", &EvalRow::black},
-                                 {"fitted gain", "fitted_gain", &EvalRow::fitted_gain},
-                                 {"fitted black", "fitted_black", &EvalRow::fitted_black}};
+constexpr QualityColumn kColumns[] = {
+    {"PSNR dB", "psnr_db", "/psnr_db", 2},
+    {"SSIM 7x7", "ssim_uniform7", "/ssim_uniform7", 4},
+    {"SSIM Gauss", "ssim_gaussian", "/ssim_gaussian", 4},
+    {"EPI error", "epi_relative_error", "/epi_relative_error", 3},
+    {"disparity > 0.07 px, %", "bad_07_percent", "/disparity/bad_07_percent", 1},
+    {"disparity > 0.2 px, %", "bad_20_percent", "/disparity/bad_20_percent", 1},
+    {"disparity error, px", "mean_absolute_px", "/disparity/mean_absolute_px", 3},
+    {"disparity slope", "slope", "/disparity/slope", 2},
+    {"gain", "gain", "/gain", 3},
+    {"black", "black", "/black", 3},
+    {"fitted gain", "fitted_gain", "/fitted_gain", 3},
+    {"fitted black", "fitted_black", "/fitted_black", 3},
+    {"events/px", "events_per_pixel", "/events/total_events_per_pixel", 3},
+    {"min ms", "min_measurement_ms", "/events/min_measurement_ms", 2},
+    {"bits/LF px", "bits_per_light_field_pixel", "/events/bits_per_light_field_pixel", 2}};
 
 }  // namespace
 
@@ -64,56 +74,33 @@ Json to_json(const EvalRow& row) {
   Json json{{"method", row.method}, {"scene", row.scene}};
   json.update(to_json(row.quality));
   if (row.events) json["events"] = to_json(*row.events);
-  for (const auto& [name, key, member] : kTones) {
-    if (row.*member) json[key] = *(row.*member);
-  }
+  const auto add = [&](const char* key, const std::optional<double>& value) {
+    if (value) json[key] = *value;
+  };
+  add("gain", row.gain);
+  add("black", row.black);
+  add("fitted_gain", row.fitted_gain);
+  add("fitted_black", row.fitted_black);
   if (row.disparity) json["disparity"] = to_json(*row.disparity);
   return json;
 }
 
 report::Table quality_table(std::span<const EvalRow> rows) {
-  const auto has = [&](auto member) {
-    return std::any_of(rows.begin(), rows.end(), [member](const EvalRow& row) { return (row.*member).has_value(); });
-  };
-  report::Table table;
-  table.rows.resize(rows.size());
-  const auto add = [&](const char* name, const char* key, const auto& cell_of) {
-    table.columns.push_back({name, table.columns.size() > 1, false, key});
-    for (size_t i = 0; i < rows.size(); ++i) table.rows[i].push_back(cell_of(rows[i]));
-  };
-  const auto add_quality = [&](const char* name, const char* key, double Metrics::*member, int decimals) {
-    add(name, key, [&](const EvalRow& row) { return quality_cell(row.quality.mean.*member, decimals); });
-  };
-  /// Adds a column of a part that rows may lack.
-  const auto add_of = [&](auto part, const char* name, const char* key, auto member, int decimals) {
-    add(name, key, [&](const EvalRow& row) {
-      return row.*part ? report::number_cell((*(row.*part)).*member, decimals) : report::Cell();
-    });
-  };
-  add("method", "method", [](const EvalRow& row) { return report::text_cell(row.method); });
-  add("scene", "scene", [](const EvalRow& row) { return report::text_cell(row.scene); });
-  add_quality("PSNR dB", "psnr_db", &Metrics::psnr_db, 2);
-  add_quality("SSIM 7x7", "ssim_uniform7", &Metrics::ssim_uniform7, 4);
-  add_quality("SSIM Gauss", "ssim_gaussian", &Metrics::ssim_gaussian, 4);
-  add("EPI error", "epi_relative_error", [](const EvalRow& row) { return quality_cell(row.quality.epi.relative, 3); });
-  if (has(&EvalRow::disparity)) {
-    using depth::DisparityError;
-    add_of(&EvalRow::disparity, "disparity > 0.07 px, %", "bad_07_percent", &DisparityError::bad_07_percent, 1);
-    add_of(&EvalRow::disparity, "disparity > 0.2 px, %", "bad_20_percent", &DisparityError::bad_20_percent, 1);
-    add_of(&EvalRow::disparity, "disparity error, px", "mean_absolute_px", &DisparityError::mean_absolute_px, 3);
-    add_of(&EvalRow::disparity, "disparity slope", "slope", &DisparityError::slope, 2);
+  report::Table table{"", {{"method"}, {"scene"}}, {}};
+  std::vector<Json> values;
+  for (const EvalRow& row : rows) {
+    values.push_back(to_json(row));
+    table.rows.push_back({report::text_cell(row.method), report::text_cell(row.scene)});
   }
-  for (const auto& [name, key, member] : kTones) {
-    if (!has(member)) continue;
-    add(name, key, [tone = member](const EvalRow& row) {
-      return row.*tone ? report::number_cell(*(row.*tone), 3) : report::Cell();
-    });
-  }
-  if (has(&EvalRow::events)) {
-    add_of(&EvalRow::events, "events/px", "events_per_pixel", &EventStatistics::total_events_per_pixel, 3);
-    add_of(&EvalRow::events, "min ms", "min_measurement_ms", &EventStatistics::min_measurement_ms, 2);
-    add_of(&EvalRow::events, "bits/LF px", "bits_per_light_field_pixel", &EventStatistics::bits_per_light_field_pixel,
-           2);
+  for (const QualityColumn& column : kColumns) {
+    const Json::json_pointer place(column.place);
+    if (std::ranges::none_of(values, [&](const Json& row) { return row.contains(place); })) continue;
+    table.columns.push_back({column.name, true, false, column.key});
+    for (size_t i = 0; i < values.size(); ++i) {
+      const Json value = values[i].contains(place) ? values[i].at(place) : Json(NAN);
+      table.rows[i].push_back(value.is_null() ? report::Cell{"inf", nullptr}
+                                              : report::number_cell(value.get<double>(), column.decimals));
+    }
   }
   return table;
 }
