@@ -90,12 +90,8 @@ void add_stream_options(CLI::App& app, StreamFlags& flags) {
   app.add_option("--turntable", flags.turntable_rpm,
                  "simulate a still life on a turntable instead of an input; revolutions per minute (1.75 in the paper)")
       ->check(CLI::Range(-1000.0, 1000.0));
-  app.add_option("--width", flags.width, "size of the turntable's views, px")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
-  app.add_option("--height", flags.height, "size of the turntable's views, px")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
+  add_count(app, "--width", flags.width, 16, 8192, "size of the turntable's views, px");
+  add_count(app, "--height", flags.height, 16, 8192, "size of the turntable's views, px");
   add_choice(app, "--v2e-preset", flags.v2e_preset, {"default", "noisy", "clean"},
              "parameters of v2e: default, noisy or clean");
   number("--refractory-us", flags.refractory_us, "physical pixels, esim: refractory period after an event");

@@ -141,12 +141,8 @@ int run_demo(const std::vector<std::string>& arguments) {
   CLI::App& app = verb.app();
   app.add_option("-o,--output", demo_arguments.output, "folder to write")->capture_default_str();
   add_model_option(app, "-m,--model", demo_arguments.model, "model file or bundled model; default: e2lf-n8");
-  app.add_option("--width", demo_arguments.width, "width of each view, px")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
-  app.add_option("--height", demo_arguments.height, "height of each view, px")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str();
+  add_count(app, "--width", demo_arguments.width, 16, 8192, "width of each view, px");
+  add_count(app, "--height", demo_arguments.height, 16, 8192, "height of each view, px");
   return verb.run(arguments, [&] { return demo(demo_arguments, verb); });
 }
 
