@@ -81,9 +81,6 @@ class Verb {
   /// Returns the record of the run that --config repeats, or null.
   [[nodiscard]] const Json& earlier_run() const { return earlier_run_; }
 
-  /// Returns true if the command line, or the run that is repeated, has this flag.
-  [[nodiscard]] bool is_given(const char* flag) const { return app_.get_option(flag)->count() > 0; }
-
   /// Returns the files and folders that options and arguments name, other than those that the verb writes, with the
   /// paths of bundled files: no output may replace them.
   [[nodiscard]] std::vector<std::filesystem::path> named_inputs() const;
@@ -124,15 +121,6 @@ struct VerbEntry {
 /// verbs themselves).
 int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
                 const std::vector<std::string>& arguments);
-
-/// Returns a result whose error, if there is one, has this location.
-template <typename T>
-[[nodiscard]] Result<T> located(Result<T> result, const std::filesystem::path& location) {
-  if (result) return result;
-  Error error = result.error();
-  error.location = location.string();
-  return error;
-}
 
 /// Prints the result of a run: `json` with --json, or else `text`, unless with --quiet.
 void print_result(const CommonOptions& common, const Json& json, const std::string& text, std::FILE* to = stdout);

@@ -84,8 +84,8 @@ cmp two/cycle_00001/disparity.npy from_events/disparity.npy
 fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-x
 fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x
-fails 1 'light fields' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --view-row 1 --view-column 1
-fails 1 'events' "$E2LF" depth plane.npy -m depth.safetensors -o x
+fails 1 'no effect on events' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --view-row 1 --view-column 1
+fails 1 'no effect on light fields' "$E2LF" depth plane.npy -m depth.safetensors -o x
 # Without a model, patterns that no bundled network was trained for get the one for any patterns.
 other_codes other.npy
 py plane.py -0.5 small.npy 64 80

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: MIT
 // e2lf depth: light field, or events -> disparity map
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 
 #include "e2lf/base/log.h"
@@ -77,9 +75,9 @@ Result<void> write_array(const fs::path& path, const Image& image) {
 Result<void> write_points(const fs::path& path, const DisparityOutput& output, const DisparityResult& result,
                           const Shared& shared) {
   const depth::PointGeometry geometry{.infinity_px = shared.infinity, .lens = output.lens};
-  E2LF_ASSIGN_OR_RETURN(const auto points, located(depth::encode_point_cloud(result.map, result.picture, result.shape,
-                                                                             geometry, output.least_confidence),
-                                                   output.input));
+  E2LF_ASSIGN_OR_RETURN(const auto points, pipeline::naming(output.input, depth::encode_point_cloud(
+                                                                              result.map, result.picture, result.shape,
+                                                                              geometry, output.least_confidence)));
   return write_file(path, points);
 }
 
@@ -132,12 +130,6 @@ void print_maps(const DisparityOutput& output, const CommonOptions& common, cons
 bool is_disparity_file(const fs::path& output) {
   const std::string extension = output.extension().string();
   return extension == ".npy" || extension == ".pfm" || extension == ".png" || extension == ".ply";
-}
-
-/// Returns an error in which the options of sums have the names that they have here.
-Error of_maps(Error error) {
-  if (error.location == "--cycles-per-field") error.location = "--cycles-per-map";
-  return error;
 }
 
 /// Writes the maps of `source`: the first one to a file, or one to the folder itself, or one folder for each of them.
@@ -213,7 +205,7 @@ Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path
   if (arguments.view_row) options.view = depth::ViewIndex{*arguments.view_row, *arguments.view_column};
   ProgressBar bar("depth of " + path.filename().string(), is_quiet);
   E2LF_ASSIGN_OR_RETURN(depth::DisparityMap map,
-                        located(depth::estimate_disparity(light_field, options, bar.callback()), path));
+                        pipeline::naming(path, depth::estimate_disparity(light_field, options, bar.callback())));
   const depth::ViewIndex view = map.view;
   const depth::OcclusionSign sign = depth::occlusion_sign(light_field, map);
   warn_of_turned_views(path, sign);
@@ -224,21 +216,11 @@ Result<DisparityResult> estimate(const DepthArguments& arguments, const fs::path
                          path.filename().string(), std::move(about)};
 }
 
-/// Fails if one of the options is given, which do not apply to this kind of input.
-Result<void> refuse(const Verb& verb, std::span<const char* const> options, const char* reason) {
-  for (const char* option : options) {
-    if (verb.is_given(option)) return fail(ErrorCode::kInvalidValue, option, reason);
-  }
-  return {};
-}
-
 Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const Verb& verb) {
-  constexpr std::array kOfEvents = {"--model", "--codes", "--camera"};
-  E2LF_RETURN_IF_ERROR(refuse(verb, kOfEvents, "only applies to events, not to light fields; leave it out"));
-  E2LF_RETURN_IF_ERROR(
-      verb.refuse_options({kCycleOptions, kNetworkOptions, kRecordingOptions, kTableOptions, "--invert-polarity",
-                           "--max-cycles", "--transitions", "--cycles-per-map", "--fuse"},
-                          "light fields"));
+  E2LF_RETURN_IF_ERROR(verb.refuse_options(
+      {kCycleOptions, kNetworkOptions, kRecordingOptions, kTableOptions, "--model", "--codes", "--camera",
+       "--invert-polarity", "--max-cycles", "--transitions", "--cycles-per-map", "--fuse"},
+      "light fields"));
   const fs::path& input = arguments.output.input;
   arguments.output.is_one = !are_cycles;
   RunRecord record(verb, {input});
@@ -252,9 +234,7 @@ Result<void> from_light_fields(DepthArguments& arguments, bool are_cycles, const
 }
 
 Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
-  constexpr std::array kOfLightFields = {"--min-disparity", "--view-row",     "--views",        "--step",
-                                         "--white",         "--view-columns", "--lenslet-views"};
-  E2LF_RETURN_IF_ERROR(refuse(verb, kOfLightFields, "only applies to light fields, not to events; leave it out"));
+  E2LF_RETURN_IF_ERROR(verb.refuse_options({kLightFieldOptions, "--min-disparity", "--view-row"}, "events"));
   // Before there is an output, because the program that continues would find it unfinished.
   E2LF_RETURN_IF_ERROR(require_device(arguments.method.choice.device));
   const fs::path& path = arguments.output.input;

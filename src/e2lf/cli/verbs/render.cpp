@@ -11,6 +11,7 @@
 #include "e2lf/film/parallax.h"
 #include "e2lf/lightfield/refocus.h"
 #include "e2lf/lightfield/views.h"
+#include "e2lf/pipeline/cycle_input.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/options.h"
 #include "e2lf/program/outputs.h"
@@ -182,7 +183,7 @@ Result<depth::DisparityRange> focus_range(const AnimateArguments& arguments, con
                                           RunRecord& record) {
   if (arguments.from) return depth::DisparityRange{*arguments.from, *arguments.to};
   E2LF_ASSIGN_OR_RETURN(const depth::DisparityMap map,
-                        located(depth::estimate_disparity(light_field), arguments.input));
+                        pipeline::naming(arguments.input, depth::estimate_disparity(light_field)));
   const depth::DisparityRange range = depth::shown_range(map.disparity, map.confidence);
   record.resolve("from", range.least);
   record.resolve("to", range.most);
@@ -209,7 +210,7 @@ Result<film::Film> film_of(const AnimateArguments& arguments, const LightField& 
 Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
-  E2LF_RETURN_IF_ERROR(located(film::check_film_support(), arguments.output));
+  E2LF_RETURN_IF_ERROR(pipeline::naming(arguments.output, film::check_film_support()));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
