@@ -155,7 +155,7 @@ class CycleIterator {
   [[nodiscard]] std::string source() const { return word_of(reader_.source(), info::kCycleSources); }
   [[nodiscard]] py::object report() {
     const OneAtATime::Use use(use_, "reader of cycles");
-    Json report = info::report_json(*rig_, reader_);
+    Json report = rig_->json(reader_);
     report["left_out"] = info::losses_json(reader_.summary());
     report["live"] = info::live_json(reader_.summary());
     return to_python(report);
@@ -178,18 +178,14 @@ class CycleIterator {
   OneAtATime use_;
 };
 
-std::unique_ptr<CycleIterator> open_cycles(const fs::path& path, cycles::CycleOptions options,
-                                           const pipeline::ScheduleChoice& schedule,
-                                           const std::optional<int64_t>& origin_us, const OpenArguments& open) {
-  take(pipeline::choose_source(options, origin_us));
+std::unique_ptr<CycleIterator> open_cycles(pipeline::CycleInputOptions options, const OpenArguments& open) {
+  const std::string name = options.input.string();
   auto rig = std::make_shared<diagnose::RigCheck>();
-  options.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
-  auto reader = open_reader(path.string(), open);
-  options.schedule = take(pipeline::choose_schedule(schedule, path, reader->info()));
-  const StopOnInterrupt interrupt(recordings::is_live_recording(path.string()));
-  return std::make_unique<CycleIterator>(path.string(), std::move(rig), without_gil([&] {
-                                           return cycles::CycleReader::open(std::move(reader), options);
-                                         }));
+  options.cycles.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
+  auto reader = open_reader(name, open);
+  const StopOnInterrupt interrupt(recordings::is_live_recording(name));
+  return std::make_unique<CycleIterator>(
+      name, std::move(rig), without_gil([&] { return pipeline::open_cycles(std::move(reader), options); }));
 }
 
 void bind_cycle_reader(py::module_& module) {
@@ -223,9 +219,12 @@ void bind_cycle_reader(py::module_& module) {
         options.invert_polarity = invert_polarity;
         options.tracker.first_pattern = first_pattern;
         options.filters_pixels = filter_pixels;
-        const pipeline::ScheduleChoice choice{
-            .schedule = schedule_of(schedule), .num_patterns = num_codes, .transitions = transitions};
-        return open_cycles(path, std::move(options), choice, origin_us, E2LF_OPEN_VALUES);
+        return open_cycles(
+            {.input = path,
+             .cycles = std::move(options),
+             .schedule = {.schedule = schedule_of(schedule), .num_patterns = num_codes, .transitions = transitions},
+             .origin_us = origin_us},
+            E2LF_OPEN_VALUES);
       },
       py::arg("path"), py::kw_only(), py::arg("source") = word_of(usual.source, info::kCycleSources),
       py::arg("schedule") = py::none(), py::arg("num_codes") = py::none(),

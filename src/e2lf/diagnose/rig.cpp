@@ -290,8 +290,17 @@ std::optional<Finding> RigCheck::check_duplicates() const {
 }
 
 Json RigCheck::json(const cycles::CycleReader& reader) const {
+  const cycles::CycleReport report = reader.report();
+  Json dropped = Json::object();
+  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) dropped[cycles::kCycleFaults[i].word] = report.dropped[i];
   const auto delay_us = delay_.delay_us();
-  return {{"triggers", triggers_text(reader.schedule())},
+  return {{"complete", report.complete},
+          {"dropped", std::move(dropped)},
+          {"marks", report.marks},
+          {"unassigned_marks", report.unassigned_marks},
+          {"events_given_up", report.events_given_up},
+          {"silenced_pixels", report.hot_pixels},
+          {"triggers", triggers_text(reader.schedule())},
           {"least_confidence", least_confidence_},
           {"event_delay_us", delay_us ? Json(*delay_us) : Json()},
           {"findings", to_json(findings(reader))}};

@@ -63,7 +63,8 @@ class RigCheck {
     return diagnose::check_triggers(inputs_, options, last_us_);
   }
 
-  /// Returns {"triggers", "least_confidence", "event_delay_us", "findings"}.
+  /// Returns the cycles that were found and dropped, and what may be wrong with the rig: {"complete", "dropped", ...,
+  /// "triggers", "least_confidence", "event_delay_us", "findings"}.
   [[nodiscard]] Json json(const cycles::CycleReader& reader) const;
 
  private:

@@ -36,22 +36,6 @@ Error no_cycle_error(const fs::path& input, const diagnose::RigCheck& rig, const
               "). `e2lf accumulate ... --report cycles.svg` shows the event rate and the triggers");
 }
 
-Json report_json(const diagnose::RigCheck& rig, const cycles::CycleReader& reader) {
-  const cycles::CycleReport report = reader.report();
-  Json dropped = Json::object();
-  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
-    dropped[cycles::kCycleFaults[i].word] = report.dropped[i];
-  }
-  Json json = {{"complete", report.complete},
-               {"dropped", dropped},
-               {"marks", report.marks},
-               {"unassigned_marks", report.unassigned_marks},
-               {"events_given_up", report.events_given_up},
-               {"silenced_pixels", report.hot_pixels}};
-  json.update(rig.json(reader));
-  return json;
-}
-
 Json cycle_json(const cycles::Cycle& cycle) {
   return {{"number", cycle.number},
           {"begin_us", cycle.begin_us},

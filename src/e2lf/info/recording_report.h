@@ -25,8 +25,6 @@ inline constexpr Choice<cycles::CycleSource> kCycleSources[] = {{"auto", cycles:
 /// Returns the error for a recording without a complete cycle, with advice.
 [[nodiscard]] Error no_cycle_error(const std::filesystem::path& input, const diagnose::RigCheck& rig,
                                    const cycles::CycleReader& reader);
-/// Returns the cycles found and dropped, and what may be wrong with the rig.
-[[nodiscard]] Json report_json(const diagnose::RigCheck& rig, const cycles::CycleReader& reader);
 
 /// Returns a cycle as JSON: number, times, events, confidence.
 [[nodiscard]] Json cycle_json(const cycles::Cycle& cycle);

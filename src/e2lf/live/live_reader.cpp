@@ -252,7 +252,7 @@ void LiveReader::report(bool has_ended) {
   findings.insert(findings.end(), other_findings_.begin(), other_findings_.end());
   rig["findings"] = diagnose::to_json(findings);
   announce(findings);
-  statistics_.set_report(cycles_->report(), cycles_->summary(), std::move(rig));
+  statistics_.set_report(cycles_->summary(), std::move(rig));
 }
 
 void LiveReader::add_findings(const diagnose::Findings& findings) {

@@ -83,16 +83,13 @@ void Statistics::add_field(double latency_s, double reconstruct_s, PictureSize s
   reconstruct_s_.add(reconstruct_s);
 }
 
-void Statistics::set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary, Json rig) {
-  Json dropped = Json::object(), left_out = Json::object();
-  for (size_t i = 0; i < cycles::kNumCycleFaults; ++i) {
-    dropped[cycles::kCycleFaults[i].word] = report.dropped[i];
-  }
+void Statistics::set_report(const recordings::DecodeSummary& summary, Json rig) {
+  Json left_out = Json::object();
   for (const recordings::Loss& loss : recordings::losses(summary)) left_out[loss.reason] = loss.count;
-  Json json = {{"dropped_cycles", std::move(dropped)},   {"silenced_pixels", report.hot_pixels},
-               {"found", std::move(rig["triggers"])},    {"event_delay_us", std::move(rig["event_delay_us"])},
-               {"findings", std::move(rig["findings"])}, {"left_out", std::move(left_out)},
-               {"pauses", summary.live.pauses},          {"may_have_lost_events", summary.live.loses_events}};
+  Json json = {{"dropped_cycles", rig["dropped"]}, {"silenced_pixels", rig["silenced_pixels"]},
+               {"found", rig["triggers"]},         {"event_delay_us", rig["event_delay_us"]},
+               {"findings", rig["findings"]},      {"left_out", std::move(left_out)},
+               {"pauses", summary.live.pauses},    {"may_have_lost_events", summary.live.loses_events}};
   if (summary.sensor_events_in > 0) {
     json["sensor_dropped_share"] =
         1 - static_cast<double>(summary.sensor_events_sent) / static_cast<double>(summary.sensor_events_in);

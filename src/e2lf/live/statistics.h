@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "e2lf/cycles/cycle_reader.h"
 #include "e2lf/files/options.h"
 #include "e2lf/live/pace.h"
 #include "e2lf/recordings/recording.h"
@@ -48,8 +47,8 @@ class Statistics {
   void add_skipped(Skipped why = Skipped::kNewer);
   /// Adds a light field, or a map, of this size whose picture is complete.
   void add_field(double latency_s, double reconstruct_s, PictureSize size);
-  /// Replaces the reader's report about cycles, its summary of the data that was left out, and the check of the rig.
-  void set_report(const cycles::CycleReport& report, const recordings::DecodeSummary& summary, Json rig);
+  /// Replaces the reader's summary of the data that was left out, and RigCheck::json().
+  void set_report(const recordings::DecodeSummary& summary, Json rig);
   /// Adds findings, in JSON, to those of the report.
   void add_findings(const Json& findings);
 

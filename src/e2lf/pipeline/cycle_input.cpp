@@ -165,8 +165,6 @@ bool uses_all_transitions(const ScheduleChoice& choice, const cycles::Schedule& 
   return is_recorded_whole || choice.num_wanted == schedule.size() + 1;
 }
 
-}  // namespace
-
 Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice, const std::filesystem::path& recording,
                                          const recordings::RecordingInfo& info) {
   constexpr size_t kFewest = 2;
@@ -194,6 +192,8 @@ Result<void> choose_source(cycles::CycleOptions& options, const std::optional<in
   options.origin_us = origin_us.value_or(0);
   return {};
 }
+
+}  // namespace
 
 Result<cycles::CycleReader> open_cycles(std::unique_ptr<recordings::RecordingReader> recording,
                                         const CycleInputOptions& options) {

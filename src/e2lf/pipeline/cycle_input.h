@@ -58,7 +58,7 @@ struct CycleInputOptions {
   bool is_strict = false;                 ///< whether sums that exceed 16 bits are an error
   cycles::CycleOptions cycles = {};       ///< of a recording, without the schedule; its polarity also applies to files
   ScheduleChoice schedule = {};           ///< of a recording
-  std::optional<int64_t> origin_us = {};  ///< see choose_source()
+  std::optional<int64_t> origin_us = {};  ///< see open_cycles()
 };
 
 /// Provides the measurements for a sequence of light fields, from a file of measurements or from a recording that is
@@ -123,18 +123,11 @@ class CycleInput {
 /// sum saturates at 16 bits.
 uint64_t add_counts(const capture::EventImages& more, capture::EventImages& sum);
 
-/// Returns the schedule of a recording. Fails as recorded_setup() does.
-[[nodiscard]] Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice,
-                                                       const std::filesystem::path& recording,
-                                                       const recordings::RecordingInfo& info);
-
-/// Completes the options of a reader of cycles. An automatic source becomes the one that other options imply: triggers
-/// if their channel or kind is given, and the schedule if `origin_us`, the time at which the first pattern of any cycle
-/// began, is given. Fails with kInvalidValue if the schedule is the source and this time is missing.
-[[nodiscard]] Result<void> choose_source(cycles::CycleOptions& options, const std::optional<int64_t>& origin_us);
-
 /// Opens the cycles of a recording with the schedule and the source of times that follow from the options and the
-/// recording. Fails as choose_schedule(), choose_source() and CycleReader::open() do.
+/// recording. An automatic source becomes the one that other options imply: triggers if their channel or kind is given,
+/// and the schedule if `origin_us` is given, the time at which the first pattern of any cycle began. Fails with
+/// kInvalidValue if the schedule is the source and this time is missing, and as recorded_setup() and
+/// CycleReader::open() do.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(std::unique_ptr<recordings::RecordingReader> recording,
                                                       const CycleInputOptions& options);
 

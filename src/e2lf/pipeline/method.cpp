@@ -244,8 +244,13 @@ void add_inversion_findings(const OpenedMethod& method, Findings& findings) {
   }
 }
 
-/// Returns the finding that two of the sources of patterns, the most reliable one first, contradict each other. Each
-/// may state those of a cycle or those of all its transitions.
+}  // namespace
+
+Result<model::Model> read_network(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error) ? model::import_release(path) : model::read_model(path);
+}
+
 std::optional<Finding> contradicted_codes(const MethodChoice& choice) {
   const auto differ = [](const std::optional<capture::Codes>& a, const std::optional<capture::Codes>& b) {
     return a && b && *a != *b && capture::whole_cycle(*a) != *b && *a != capture::whole_cycle(*b);
@@ -265,13 +270,6 @@ std::optional<Finding> contradicted_codes(const MethodChoice& choice) {
                    "check which patterns the camera showed"};
   }
   return std::nullopt;
-}
-
-}  // namespace
-
-Result<model::Model> read_network(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error) ? model::import_release(path) : model::read_model(path);
 }
 
 Result<OpenedMethod> open_method(MethodChoice choice) {
@@ -331,13 +329,13 @@ Tone OpenedMethod::complete(Tone tone) const {
   return tone;
 }
 
-Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
-  if (!network && use.passes > 1) {
+Result<recon::Method> OpenedMethod::ready(const MethodUse& wanted) const {
+  if (!network && wanted.passes > 1) {
     return fail(ErrorCode::kInvalidValue, "", "the method ", word_of(algorithm, kAlgorithms),
                 " supports a single pass; omit the number of passes")
         .about("passes");
   }
-  if ((use.cycles > 1 || use.fused_cycles > 1) && !takes_sums()) {
+  if ((wanted.cycles > 1 || wanted.fused_cycles > 1) && !takes_sums()) {
     return fail(ErrorCode::kInvalidValue, "",
                 network ? cat(network->model().name,
                               gives_disparities() ? " estimates each map" : " reconstructs each light field",
@@ -345,9 +343,9 @@ Result<recon::Method> OpenedMethod::ready(const MethodUse& use) const {
                               conditioned_network_remedy(known_patterns(), gives_disparities()))
                         : cat("the method ", word_of(algorithm, kAlgorithms),
                               " reconstructs each light field from one cycle; omit the number of cycles"))
-        .about(use.cycles > 1 ? "cycles_per_field" : "fuse");
+        .about(wanted.cycles > 1 ? "cycles_per_field" : "fuse");
   }
-  if (network) return method_of(network, use);
+  if (network) return method_of(network, wanted);
   return recon::Method([known = *codes](const capture::MeasurementView& measured, const ProgressFn&) {
     return recon::reconstruct_by_inversion(owned(measured.events), known.codes, known.constants);
   });

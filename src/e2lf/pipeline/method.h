@@ -93,8 +93,12 @@ struct OpenedMethod {
 
   /// Returns the method for this use. Fails with kInvalidValue if several passes, cycles or fused cycles are requested
   /// from a method that supports only one; the option is "passes", "cycles_per_field" or "fuse".
-  [[nodiscard]] Result<recon::Method> ready(const MethodUse& use = {}) const;
+  [[nodiscard]] Result<recon::Method> ready(const MethodUse& wanted = {}) const;
 };
+
+/// Returns the finding that the patterns of the caller, of the events and of the schedule, the first of which are used,
+/// contradict each other. Each may be those of a cycle or those of all its transitions.
+[[nodiscard]] std::optional<diagnose::Finding> contradicted_codes(const MethodChoice& choice);
 
 /// Opens a method and judges how it matches the events. The sensor profile is that of the caller, or else that of the
 /// events, or else that of the network. Fails with kInvalidValue if the measurement requires a network and none is

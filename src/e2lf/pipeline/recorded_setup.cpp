@@ -116,12 +116,11 @@ Result<capture::RecordedSetup> recorded_setup(const fs::path& recording, const r
   return setup;
 }
 
-Result<capture::RecordedSetup> setup_of_cycles(const fs::path& recording, const cycles::CycleReader& reader,
-                                               const std::optional<capture::Codes>& of_caller) {
+Result<capture::RecordedSetup> setup_of_cycles(const fs::path& recording, const cycles::CycleReader& reader) {
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, recorded_setup(recording, reader.recording().info()));
   const cycles::Schedule& schedule = reader.schedule();
   if (schedule.views) setup.views = schedule.views;
-  if (of_caller || !setup.codes) setup.codes = of_caller ? of_caller : schedule.codes;
+  if (!setup.codes) setup.codes = schedule.codes;
   if (!setup.codes) return setup;
   if (auto codes = cycles::codes_of_images(*setup.codes, schedule)) setup.codes = std::move(codes);
   return setup;

@@ -63,11 +63,9 @@ struct KnownCodes {
                                                             const recordings::RecordingInfo& info);
 
 /// Returns the setup of a recording that is divided into cycles. If its patterns are those of the schedule, they are
-/// reduced to the patterns between which the reader forms event images. The patterns are those of the caller, or else
-/// those of the recording, or else those of the schedule. The orientation of the views is that of the schedule if it
-/// states one.
-[[nodiscard]] Result<capture::RecordedSetup> setup_of_cycles(
-    const std::filesystem::path& recording, const cycles::CycleReader& reader,
-    const std::optional<capture::Codes>& of_caller = std::nullopt);
+/// reduced to the patterns between which the reader forms event images. The patterns are those of the recording, or
+/// else those of the schedule. The orientation of the views is that of the schedule if it states one.
+[[nodiscard]] Result<capture::RecordedSetup> setup_of_cycles(const std::filesystem::path& recording,
+                                                             const cycles::CycleReader& reader);
 
 }  // namespace e2lf::pipeline

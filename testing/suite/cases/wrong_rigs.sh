@@ -191,7 +191,7 @@ other_codes other.npy
 fails 1 "these are 8 patterns" "$E2LF" accumulate rig.raw -o none.npz --codes e2lf-n8
 for stated in "--codes other.npy" "--codes other.npy --schedule shown/schedule.json" "--codes e2lf-n4 --schedule other/schedule.json" "--schedule other/schedule.json"; do
   "$E2LF" accumulate rig.raw -o differing.npz --overwrite $stated --quiet 2>err.txt
-  grep -q "differ from those of" err.txt || fail "accumulate $stated: $(cat err.txt)"
+  grep -q "patterns-contradicted" err.txt || fail "accumulate $stated: $(cat err.txt)"
 done
 "$E2LF" accumulate rig.raw -o agreeing.npz --codes e2lf-n4 --schedule shown/schedule.json --quiet 2>err.txt
 [ ! -s err.txt ] || fail "$(cat err.txt)"

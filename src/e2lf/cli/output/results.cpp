@@ -114,7 +114,7 @@ Result<Json> EventRunLog::finish(const Verb& verb, RunRecord& record) {
     if (report.results == 0) return no_cycle_error(input_, rig, reader);
     diagnose::log_findings(input_.string(), rig.findings(reader));
     record.resolve("source", word_of(reader.source(), kCycleSources));
-    record.note("found", report_json(rig, reader));
+    record.note("found", rig.json(reader));
     record.note(reading_notes(input_, reader.recording().info()));
   }
   const Json told = {{"left_out", losses_json(report.left_out)}, {"findings", diagnose::to_json(report.findings)}};

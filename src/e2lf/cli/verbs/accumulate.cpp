@@ -73,25 +73,6 @@ Result<void> keep_setup_of(const fs::path& input, const fs::path& codes, capture
   return {};
 }
 
-/// Warns if sources state different patterns, of which the caller's, or else the recording's, are used.
-Result<void> compare_codes(const AccumulateArguments& arguments, const std::optional<capture::Codes>& named,
-                           const cycles::CycleReader& reader) {
-  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup recorded,
-                        pipeline::recorded_setup(arguments.input, reader.recording().info()));
-  std::vector<std::pair<std::string, capture::Codes>> stated;
-  const auto add = [&](const fs::path& source, const std::optional<capture::Codes>& codes) {
-    if (codes) stated.emplace_back(source.string(), capture::codes_of_whole_cycle(*codes).value_or(*codes));
-  };
-  add(arguments.codes, named);
-  add(arguments.input, recorded.codes);
-  add(arguments.cycles.schedule, reader.schedule().codes);
-  for (const auto& [source, codes] : stated) {
-    if (codes == stated.front().second) continue;
-    log_warning(cat("the patterns of ", source, " differ from those of ", stated.front().first, ", which are used"));
-  }
-  return {};
-}
-
 /// Sums the first cycles, and judges whether they show a scene, and by their parallax the places of the patterns.
 class SceneCheck {
  public:
@@ -177,7 +158,7 @@ Result<void> write_report(const fs::path& path, const pipeline::CycleInput& inpu
   const std::vector<recordings::Loss> losses = recordings::losses(input.summary());
   const Json facts = {{"recording", path.string()},
                       {"source", word_of(input.reader().source(), kCycleSources)},
-                      {"found", report_json(input.rig(), input.reader())},
+                      {"found", input.rig().json(input.reader())},
                       {"left_out", losses.empty() ? "nothing" : recordings::loss_text(losses)}};
   E2LF_ASSIGN_OR_RETURN(const report::Page page, cycles_page(path, facts, read));
   return reports.write(page);
@@ -186,9 +167,12 @@ Result<void> write_report(const fs::path& path, const pipeline::CycleInput& inpu
 /// Returns the setup to store with the event images. Warns if sources state different patterns.
 Result<capture::RecordedSetup> setup_of(const AccumulateArguments& arguments,
                                         const std::optional<capture::Codes>& codes, const cycles::CycleReader& reader) {
-  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader, codes));
+  E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
+  const cycles::Schedule& schedule = reader.schedule();
+  const auto contradicted = pipeline::contradicted_codes({.codes = codes, .events = setup, .schedule = &schedule});
+  if (contradicted) diagnose::log_findings(arguments.input.string(), {*contradicted});
+  if (codes) setup.codes = cycles::codes_of_images(*codes, schedule).value_or(*codes);
   setup.views = arguments.orientation.after(setup.views);
-  E2LF_RETURN_IF_ERROR(compare_codes(arguments, codes, reader));
   return setup;
 }
 
@@ -260,7 +244,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   diagnose::log_findings(arguments.input.string(), findings);
   E2LF_RETURN_IF_ERROR(writer->finish(diagnose::to_text(findings)));
   record.resolve("source", word_of(reader.source(), kCycleSources));
-  Json json = report_json(input.rig(), reader);
+  Json json = input.rig().json(reader);
   record.note("cycles", json);
   const Json found = {{"left_out", losses_json(summary)}, {"live", live_json(summary)}, {"each", std::move(read.each)}};
   record.note(found);

@@ -58,7 +58,7 @@ Json recording_json(const pipeline::CycleInput& input) {
           {"events_per_s", seconds > 0 ? events / seconds : 0.0},
           {"on_share", events > 0 ? static_cast<double>(summary.events_on) / events : 0.0},
           {"source", word_of(reader.source(), kCycleSources)},
-          {"found", report_json(input.rig(), reader)},
+          {"found", input.rig().json(reader)},
           {"left_out", losses_json(summary)}};
 }
 
