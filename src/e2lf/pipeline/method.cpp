@@ -98,8 +98,15 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
   return {};
 }
 
-/// Fails if the network takes another number of event images than there are.
-Result<void> check_transitions(size_t transitions, const model::Model& model) {
+/// Fails if the network takes another measurement, or another number of event images than there are.
+Result<void> check_input(const MethodChoice& choice, const model::Model& model) {
+  if (model.measurement() != choice.measurement) {
+    return fail(ErrorCode::kInvalidValue, "", "this is the measurement ", capture::measurement_name(choice.measurement),
+                ", and ", model.name, " takes ", capture::measurement_name(model.measurement()),
+                "; use a model that takes it")
+        .about("model");
+  }
+  const size_t transitions = choice.transitions;
   if (transitions == 0 || !capture::has_events(model.measurement())) return {};
   if (transitions + 1 == model.num_patterns) return {};
   const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
@@ -126,7 +133,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(check_output(choice.algorithm, model));
   opened.are_views_of_unstated_patterns = !model.codes && !model::is_picture_network(model);
   E2LF_RETURN_IF_ERROR(adapt_to_patterns(choice, model));
-  E2LF_RETURN_IF_ERROR(check_transitions(choice.transitions, model));
+  E2LF_RETURN_IF_ERROR(check_input(choice, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);
   const bool is_conditioned = model::is_conditioned_on_camera(model);
   if (!is_conditioned && choice.camera) {

@@ -64,22 +64,6 @@ live::FineMethod fine_method(recon::Reconstructor network, const capture::Orient
   };
 }
 
-/// Fails if the network takes another measurement than event images; otherwise, each cycle would fail.
-Result<void> check_takes_events(const pipeline::OpenedMethod& method, const fs::path& source) {
-  const model::Model& model = method.network->model();
-  if (model.measurement() == capture::MeasurementKind::kEventImages) return {};
-  return fail(ErrorCode::kShape, source, model.name, " takes the measurement ",
-              capture::measurement_name(model.measurement()), "; use a model that takes event images");
-}
-
-/// Opens a network, and checks that it takes the event images of the cycles.
-Result<pipeline::OpenedMethod> open_network(const LiveArguments& arguments, pipeline::MethodChoice choice) {
-  E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod method,
-                        pipeline::naming(arguments.source, pipeline::open_method(std::move(choice))));
-  E2LF_RETURN_IF_ERROR(check_takes_events(method, arguments.source));
-  return method;
-}
-
 /// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
 Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& arguments, pipeline::MethodChoice choice,
                                                        const std::optional<pipeline::KnownCodes>& codes,
@@ -92,7 +76,7 @@ Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& argu
     E2LF_ASSIGN_OR_RETURN(choice.model, model::read_model(arguments.depth_model));
     record.add_input(arguments.depth_model);
   }
-  auto method = open_network(arguments, std::move(choice));
+  auto method = pipeline::naming(arguments.source, pipeline::open_method(std::move(choice)));
   if (!method && !is_named) return std::optional<recon::Reconstructor>();
   if (!method) return method.error();
   return std::optional<recon::Reconstructor>(*method->network);
@@ -146,7 +130,8 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   choice.transitions = cycles.schedule().num_images();
   choice.schedule = &cycles.schedule();
   choice.use.fused_cycles = arguments.is_fuse_named ? arguments.fuse : 1;
-  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method, open_network(arguments, choice));
+  E2LF_ASSIGN_OR_RETURN(const pipeline::OpenedMethod method,
+                        pipeline::naming(arguments.source, pipeline::open_method(choice)));
   choice.use = {};
   record_method(method, record);
   setup.reader->add_findings(method.findings);
@@ -158,7 +143,7 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
     record.add_input(arguments.fine_model);
   }
   if (!arguments.fine_model.empty() || method.bundled) {
-    E2LF_ASSIGN_OR_RETURN(best, open_network(arguments, std::move(choice)));
+    E2LF_ASSIGN_OR_RETURN(best, pipeline::naming(arguments.source, pipeline::open_method(std::move(choice))));
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(arguments.method));
   setup.options.tone = method.complete(tone);
