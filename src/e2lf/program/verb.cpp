@@ -406,6 +406,15 @@ Json Verb::resolved_options() const {
   return options;
 }
 
+Result<void> repeat_until_stopped(const std::function<Result<bool>(size_t number)>& step) {
+  for (size_t number = 0; number == 0 || !stop_requested(); ++number) {
+    const Result<bool> more = step(number);
+    if (!more && more.error().code == ErrorCode::kCancelled && number > 0) break;
+    if (!more || !*more) return more ? Result<void>() : more.error();
+  }
+  return {};
+}
+
 void print_result(const CommonOptions& common, const Json& json, const std::string& text, std::FILE* to) {
   if (!common.json && common.quiet) return;
   std::fputs(common.json ? json_text(json).c_str() : text.c_str(), to);

@@ -122,6 +122,10 @@ struct VerbEntry {
 int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries,
                 const std::vector<std::string>& arguments);
 
+/// Calls `step` with 0, 1, 2, ... until it returns false. Once a step is complete, a stop that is requested ends the
+/// calls without an error, also during a step.
+[[nodiscard]] Result<void> repeat_until_stopped(const std::function<Result<bool>(size_t number)>& step);
+
 /// Prints the result of a run: `json` with --json, or else `text`, unless with --quiet.
 void print_result(const CommonOptions& common, const Json& json, const std::string& text, std::FILE* to = stdout);
 

@@ -151,8 +151,6 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags) {
   add_recording_options(app, flags.recording);
 }
 
-namespace {
-
 Result<std::unique_ptr<recordings::RecordingReader>> open_recording(const fs::path& input,
                                                                     const RecordingFlags& flags) {
   E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(input, flags));
@@ -160,6 +158,8 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_recording(const fs::pa
   log_assumptions(*reader);
   return reader;
 }
+
+namespace {
 
 /// Returns the options for these flags, and reads the schedule that they name.
 Result<pipeline::CycleInputOptions> cycle_input_options(const fs::path& input, const CycleFlags& flags) {

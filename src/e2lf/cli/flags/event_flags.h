@@ -38,6 +38,10 @@ void add_recording_options(CLI::App& app, RecordingFlags& flags);
 [[nodiscard]] Result<recordings::OpenOptions> open_options(const std::filesystem::path& input,
                                                            const RecordingFlags& flags, bool reads_parts = false);
 
+/// Opens a recording (a path, "-" for standard input, or the name of a camera), and logs what was assumed about it.
+[[nodiscard]] Result<std::unique_ptr<recordings::RecordingReader>> open_recording(const std::filesystem::path& input,
+                                                                                  const RecordingFlags& flags);
+
 /// The flags of the verbs that divide a recording into pattern cycles.
 struct CycleFlags {
   pipeline::CycleInputOptions events;  ///< without the input and the schedule; its callbacks are those of the caller
@@ -51,9 +55,9 @@ void add_cycle_options(CLI::App& app, CycleFlags& flags);
 /// Declares --fuse, the largest number of cycles in a mean; `result` is what the verb makes of each cycle.
 void add_fuse_option(CLI::App& app, size_t& most_cycles, const char* result);
 
-/// Opens a recording (a path, "-" for standard input, or the name of a camera) and divides it into cycles, of which
-/// those are wanted that `method` needs. The source "auto" selects triggers if the recording begins with some, and
-/// bursts otherwise. Fails with kInvalidValue if the schedule is the only source of times and --origin-us is missing.
+/// Opens a recording and divides it into cycles, of which those are wanted that `method` needs. The source "auto"
+/// selects triggers if the recording begins with some, and bursts otherwise. Fails with kInvalidValue if the schedule
+/// is the only source of times and --origin-us is missing.
 [[nodiscard]] Result<cycles::CycleReader> open_cycles(const std::filesystem::path& input, const CycleFlags& flags,
                                                       const pipeline::MethodChoice& method = {});
 

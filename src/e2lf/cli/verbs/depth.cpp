@@ -7,7 +7,6 @@
 #include <string>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/output/results.h"
@@ -146,22 +145,21 @@ Result<void> write_disparities(const DisparityOutput& output, const DisparitySou
   }
   Shared shared;
   Json maps = Json::array();
-  while (maps.empty() || !stop_requested()) {
-    const auto result = source();
-    if (!result && result.error().code == ErrorCode::kCancelled && !maps.empty()) break;
-    if (!result) return result.error();
-    if (!*result) break;
-    share(output, (*result)->map, shared);
-    maps.push_back(json_of(**result, shared));
+  const auto step = [&](size_t) -> Result<bool> {
+    E2LF_ASSIGN_OR_RETURN(const std::optional<DisparityResult> result, source());
+    if (!result) return false;
+    share(output, result->map, shared);
+    maps.push_back(json_of(*result, shared));
     if (file) {
-      E2LF_RETURN_IF_ERROR(write_one(file->path(), output.output.extension().string(), output, **result, shared));
-      if (output.is_one) continue;
-      break;
+      E2LF_RETURN_IF_ERROR(write_one(file->path(), output.output.extension().string(), output, *result, shared));
+      return output.is_one;
     }
-    E2LF_ASSIGN_OR_RETURN(const fs::path place, parts->begin((*result)->name));
-    E2LF_RETURN_IF_ERROR(write_all(place, output, **result, shared));
-    E2LF_RETURN_IF_ERROR(parts->commit((*result)->name, {{"map", maps.back()}}, record));
-  }
+    E2LF_ASSIGN_OR_RETURN(const fs::path place, parts->begin(result->name));
+    E2LF_RETURN_IF_ERROR(write_all(place, output, *result, shared));
+    E2LF_RETURN_IF_ERROR(parts->commit(result->name, {{"map", maps.back()}}, record));
+    return true;
+  };
+  E2LF_RETURN_IF_ERROR(repeat_until_stopped(step));
   Json printed = Json::object();
   if (finish) {
     E2LF_ASSIGN_OR_RETURN(printed, finish());
@@ -240,10 +238,8 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   const fs::path& path = arguments.output.input;
   RunRecord record(verb);
   arguments.method.choice.algorithm = pipeline::Algorithm::kDepth;
-  auto opened =
-      open_event_run(path, arguments.cycles, arguments.method, arguments.light_field.orientation, verb, record);
-  if (!opened) return of_maps(opened.error());
-  pipeline::EventRun run = *std::move(opened);
+  E2LF_ASSIGN_OR_RETURN(pipeline::EventRun run, open_event_run(path, arguments.cycles, arguments.method,
+                                                               arguments.light_field.orientation, verb, record));
   EventRunLog log(run, path, record);
   arguments.output.is_one = run.input().has_one_field();
   arguments.output.is_strict = arguments.cycles.recording.is_strict;

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <string>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/output/results.h"
@@ -62,24 +61,23 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   ResultParts parts(std::move(folder), run.input().has_one_field(), arguments.cycles.recording.is_strict);
   Json cycles = Json::array();
   std::string of_first;
-  while (cycles.empty() || !stop_requested()) {
-    const std::string name = cycle_name(cycles.size());
+  const auto step = [&](size_t number) -> Result<bool> {
+    const std::string name = cycle_name(number);
     // For live input, the log has a line for each cycle instead.
     ProgressBar bar("reconstruct " + name, verb.common().quiet || is_live(arguments.input));
-    auto next = run.next(bar.callback());
-    if (!next && next.error().code == ErrorCode::kCancelled && !cycles.empty()) break;
-    if (!next) return next.error();
-    if (!*next) break;
-    pipeline::EventResult& result = **next;
+    E2LF_ASSIGN_OR_RETURN(std::optional<pipeline::EventResult> result, run.next(bar.callback()));
+    if (!result) return false;
     hide_progress();
     E2LF_ASSIGN_OR_RETURN(const fs::path place, parts.begin(name));
-    E2LF_RETURN_IF_ERROR(write_reconstruction(place, std::get<pipeline::Field>(result.made).light_field,
+    E2LF_RETURN_IF_ERROR(write_reconstruction(place, std::get<pipeline::Field>(result->made).light_field,
                                               arguments.format, run.views().value_or(capture::Orientation{}), {}));
-    if (cycles.empty()) of_first = event_error_text(result);
-    cycles.push_back(log.add(result));
+    if (number == 0) of_first = event_error_text(*result);
+    cycles.push_back(log.add(*result));
     Json about = {{"cycle", cycles.back()}, {"notes", views}};
     E2LF_RETURN_IF_ERROR(parts.commit(name, std::move(about), record));
-  }
+    return true;
+  };
+  E2LF_RETURN_IF_ERROR(repeat_until_stopped(step));
   E2LF_ASSIGN_OR_RETURN(Json printed, log.finish(verb, record));
   record.end_step("reconstruct");
   // If no cycle has events, gain and black level are not determined.

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "e2lf/base/log.h"
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/cli/flags/stream_flags.h"
@@ -333,17 +332,16 @@ Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
   ProgressBar bar("simulate", common.quiet);
   capture::Measurement first;
   uint64_t events = 0, lost = 0;
-  for (size_t cycle = 0; cycle < arguments.cycles && !(cycle > 0 && stop_requested()); ++cycle) {
+  const auto step = [&](size_t cycle) -> Result<bool> {
     bar.update(cycle, arguments.cycles);
-    Result<SimulatedCycle> made = next(cycle);
-    if (!made && made.error().code == ErrorCode::kCancelled && cycle > 0) break;
-    if (!made) return made.error();
-    SimulatedCycle simulated = *std::move(made);
+    E2LF_ASSIGN_OR_RETURN(SimulatedCycle simulated, next(cycle));
     if (cycle == 0) first = simulated.measured;
     events += simulated.batch.events.size();
     lost = simulated.lost_events;
     E2LF_RETURN_IF_ERROR(file.add(std::move(simulated)));
-  }
+    return cycle + 1 < arguments.cycles;
+  };
+  E2LF_RETURN_IF_ERROR(repeat_until_stopped(step));
   E2LF_RETURN_IF_ERROR(file.finish());
   hide_progress();
   if (by_events) record.note({{"events", events}, {"events_lost_to_readout", lost}});

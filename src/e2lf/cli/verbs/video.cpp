@@ -3,7 +3,6 @@
 #include <chrono>
 #include <optional>
 
-#include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/verbs.h"
@@ -16,7 +15,6 @@
 #include "e2lf/lightfield/image.h"
 #include "e2lf/program/options.h"
 #include "e2lf/program/outputs.h"
-#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 #include "e2lf/video/video_model.h"
 
@@ -115,19 +113,19 @@ Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& make
   VideoReport report;
   diagnose::HotEvents hot(maker.height, maker.width);
   cycles::EventWindow window;
-  while (!stop_requested()) {
+  const auto step = [&](size_t) -> Result<bool> {
     E2LF_ASSIGN_OR_RETURN(const bool more, windows.next(window));
-    if (!more) break;
+    if (!more) return false;
     hot.add(window.events);
-    const Result<lightfield::ByteImage> frame = maker.make(window);
-    if (!frame && frame.error().code == ErrorCode::kCancelled && report.frames > 0) break;
-    if (!frame) return frame.error();
-    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), *frame));
+    E2LF_ASSIGN_OR_RETURN(const lightfield::ByteImage frame, maker.make(window));
+    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), frame));
     report.table += cat(report.frames, ",", window.begin_us, ",", window.end_us, ",", window.events.size(), "\n");
     report.events += window.events.size();
     report.empty += window.events.empty() ? 1 : 0;
     bar.update(++report.frames, 0);
-  }
+    return true;
+  };
+  E2LF_RETURN_IF_ERROR(repeat_until_stopped(step));
   if (auto finding = hot.finding()) report.findings.push_back(*std::move(finding));
   return report;
 }
@@ -148,9 +146,7 @@ Result<std::unique_ptr<recordings::RecordingReader>> open_input(const VideoArgum
   if (kind != FileKind::kRecording) {
     return other_kind_error(arguments.input, kind, "a recording of events");
   }
-  E2LF_ASSIGN_OR_RETURN(const recordings::OpenOptions open, open_options(arguments.input, arguments.recording));
-  E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(arguments.input.string(), open));
-  log_assumptions(*reader);
+  E2LF_ASSIGN_OR_RETURN(auto reader, open_recording(arguments.input, arguments.recording));
   if (reader->info().width == 0 || reader->info().height == 0) {
     return fail(ErrorCode::kInvalidValue, arguments.input,
                 "the recording does not state the sensor size; give its width and height")
