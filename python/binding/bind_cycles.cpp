@@ -124,68 +124,55 @@ std::optional<Schedule> schedule_of(const ScheduleArgument& argument) {
 /// An iterator over the cycles of a recording.
 class CycleIterator {
  public:
-  CycleIterator(std::string name, std::shared_ptr<diagnose::RigCheck> rig, cycles::CycleReader reader)
-      : name_(std::move(name)),
-        is_live_(recordings::is_live_recording(name_)),
-        rig_(std::move(rig)),
-        reader_(std::move(reader)) {}
+  CycleIterator(std::string name, pipeline::CycleInput input)
+      : name_(std::move(name)), is_live_(recordings::is_live_recording(name_)), input_(std::move(input)) {}
 
   py::object next() {
     const OneAtATime::Use use(use_, "reader of cycles");
-    std::optional<cycles::Cycle> cycle;
+    std::optional<pipeline::CycleImages> next;
     {
       const StopOnInterrupt interrupt(is_live_);
-      cycle = without_gil([&] { return reader_.next(); });
+      next = without_gil([&] { return input_.next(); });
     }
     check_signals();
-    if (!cycle) {
+    if (!next) {
       if (!std::exchange(has_ended_, true)) {
-        end();
-        check_live(reader_.summary());
+        info::warn_of_losses(name_, input_.summary());
+        diagnose::log_findings(name_, input_.rig().findings(input_.reader()));
+        check_live(input_.summary());
       }
       throw py::stop_iteration();
     }
-    cycle->confidence = rig_->add(*cycle, reader_.options());
+    const cycles::Cycle& cycle = *next->cycle;
     py::list slices;
-    for (const cycles::TimeSlice& slice : cycle->slices) slices.append(py::make_tuple(slice.begin_us, slice.end_us));
-    return make_tuple_of("Cycle", to_array(std::move(cycle->images)), cycle->number, cycle->begin_us, std::move(slices),
-                         cycle->events, cycle->saturated, cycle->confidence);
+    for (const cycles::TimeSlice& slice : cycle.slices) slices.append(py::make_tuple(slice.begin_us, slice.end_us));
+    return make_tuple_of("Cycle", to_array(std::move(next->images.events)), cycle.number, cycle.begin_us,
+                         std::move(slices), cycle.events, cycle.saturated, cycle.confidence);
   }
 
-  [[nodiscard]] std::string source() const { return word_of(reader_.source(), info::kCycleSources); }
+  [[nodiscard]] std::string source() const { return word_of(input_.reader().source(), info::kCycleSources); }
   [[nodiscard]] py::object report() {
     const OneAtATime::Use use(use_, "reader of cycles");
-    Json report = rig_->json(reader_);
-    report["left_out"] = info::losses_json(reader_.summary());
-    report["live"] = info::live_json(reader_.summary());
+    Json report = input_.rig().json(input_.reader());
+    report["left_out"] = info::losses_json(input_.summary());
+    report["live"] = info::live_json(input_.summary());
     return to_python(report);
   }
-  [[nodiscard]] py::object codes() const { return to_array(take(pipeline::setup_of_cycles(name_, reader_)).codes); }
-  [[nodiscard]] std::optional<std::string> views() const {
-    return orientation_word(take(pipeline::setup_of_cycles(name_, reader_)).views);
-  }
+  [[nodiscard]] capture::RecordedSetup setup() const { return take(input_.setup()); }
 
  private:
-  void end() {
-    warn_of_losses(name_, reader_.summary());
-    diagnose::log_findings(name_, rig_->findings(reader_));
-  }
-
   std::string name_;
   bool is_live_, has_ended_ = false;
-  std::shared_ptr<diagnose::RigCheck> rig_;
-  cycles::CycleReader reader_;
+  pipeline::CycleInput input_;
   OneAtATime use_;
 };
 
 std::unique_ptr<CycleIterator> open_cycles(pipeline::CycleInputOptions options, const OpenArguments& open) {
   const std::string name = options.input.string();
-  auto rig = std::make_shared<diagnose::RigCheck>();
-  options.cycles.on_batch = [rig](const recordings::EventBatch& batch) { rig->add(batch); };
-  auto reader = open_reader(name, open);
+  pipeline::EventSource reader = open_reader(name, open);
   const StopOnInterrupt interrupt(recordings::is_live_recording(name));
   return std::make_unique<CycleIterator>(
-      name, std::move(rig), without_gil([&] { return pipeline::open_cycles(std::move(reader), options); }));
+      name, without_gil([&] { return pipeline::CycleInput::open(std::move(reader), std::move(options)); }));
 }
 
 void bind_cycle_reader(py::module_& module) {
@@ -194,10 +181,12 @@ void bind_cycle_reader(py::module_& module) {
       .def("__next__", &CycleIterator::next)
       .def_property_readonly("source", &CycleIterator::source,
                              "The source of the times: \"triggers\", \"bursts\" or \"schedule\".")
-      .def_property_readonly("codes", &CycleIterator::codes,
-                             "The patterns of the transitions, float32 [transitions + 1, view_y, view_x]; None if the "
-                             "recording does not state them.")
-      .def_property_readonly("views", &CycleIterator::views, kViewsDoc)
+      .def_property_readonly(
+          "codes", [](const CycleIterator& self) { return to_array(self.setup().codes); },
+          "The patterns of the transitions, float32 [transitions + 1, view_y, view_x]; None if the "
+          "recording does not state them.")
+      .def_property_readonly(
+          "views", [](const CycleIterator& self) { return orientation_word(self.setup().views); }, kViewsDoc)
       .def("report", &CycleIterator::report,
            "Returns the numbers of cycles found and dropped so far, with reasons, and the data that were left out.");
   const cycles::CycleOptions usual;

@@ -78,7 +78,7 @@ py::tuple read_events(const fs::path& path, const OpenArguments& arguments) {
       look_for_signals(records.size(), 0);
     }
   });
-  warn_of_losses(path.string(), reader->summary());
+  info::warn_of_losses(path.string(), reader->summary());
   return py::make_tuple(to_array(std::move(records)), to_array(triggers));
 }
 

@@ -98,7 +98,7 @@ py::object convert(const fs::path& input, const fs::path& output_path, const std
     E2LF_RETURN_IF_ERROR(output.commit());
     return done;
   });
-  warn_of_losses(input.string(), report.summary);
+  info::warn_of_losses(input.string(), report.summary);
   const fs::path triggers = report.trigger_file.empty() ? fs::path() : output_path.parent_path() / report.trigger_file;
   return to_python({{"events", report.events},
                     {"triggers", report.triggers},

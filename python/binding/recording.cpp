@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "e2lf/base/log.h"
-#include "e2lf/base/text.h"
+#include "e2lf/info/recording_report.h"
 #include "e2lf/recordings/open/registry.h"
 
 namespace e2lf::python {
@@ -63,24 +62,13 @@ std::unique_ptr<recordings::RecordingReader> open_reader(const std::string& name
   const StopOnInterrupt interrupt(recordings::is_live_recording(name));
   return without_gil([&]() -> Result<std::unique_ptr<recordings::RecordingReader>> {
     E2LF_ASSIGN_OR_RETURN(auto reader, recordings::open_named_recording(name, options));
-    for (const recordings::Assumption& assumption : reader->info().assumptions) {
-      log_info(cat(name, ": ", assumption.text));
-    }
+    info::log_assumptions(*reader);
     return reader;
   });
 }
 
 void check_live(const recordings::DecodeSummary& summary) {
   if (!summary.live.failure.empty()) throw ResultError({ErrorCode::kIo, summary.live.failure, ""});
-}
-
-void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary) {
-  const std::vector<recordings::Loss> losses = recordings::losses(summary);
-  const std::string restarts = recordings::restart_text(summary);
-  const std::string live = recordings::live_text(summary);
-  if (!live.empty()) (summary.live.loses_events ? log_warning : log_info)(cat(name, ": ", live));
-  if (!restarts.empty()) log_warning(cat(name, ": ", restarts));
-  if (!losses.empty()) log_warning(cat(name, ": left out ", recordings::loss_text(losses)));
 }
 
 Recording::Recording(std::string name, std::unique_ptr<recordings::RecordingReader> reader,
@@ -171,7 +159,7 @@ Result<bool> Recording::refill() {
   event_ = trigger_ = 0;
   E2LF_ASSIGN_OR_RETURN(const bool more, reader_->read(batch_, most_events_));
   has_ended_ = !more;
-  if (has_ended_) warn_of_losses(name_, reader_->summary());
+  if (has_ended_) info::warn_of_losses(name_, reader_->summary());
   return more;
 }
 

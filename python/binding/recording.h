@@ -36,9 +36,6 @@ struct OpenArguments {
 /// Throws the failure that ended live input, such as an unplugged camera, if there was one.
 void check_live(const recordings::DecodeSummary& summary);
 
-/// Warns about data that were left out of a recording.
-void warn_of_losses(const std::string& name, const recordings::DecodeSummary& summary);
-
 /// The limits of a slice of a recording: a duration and a number of events, of which the earlier applies; without
 /// either, slices are returned as decoded.
 struct SliceSize {

@@ -164,7 +164,7 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
     if (is_found) findings.push_back(*std::move(finding));
     return is_found;
   };
-  auto of_triggers = has_triggers_as_source ? check_triggers(options) : std::nullopt;
+  auto of_triggers = has_triggers_as_source ? check_triggers(inputs_, options, last_us_) : std::nullopt;
   const bool has_light = !add(check_light());
   // Patterns that are mistaken for others have other signs.
   if (!of_triggers && has_light) {
@@ -306,15 +306,15 @@ Json RigCheck::json(const cycles::CycleReader& reader) const {
           {"findings", to_json(findings(reader))}};
 }
 
-Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader) {
+Finding RigCheck::no_cycle_finding(const cycles::CycleReader& reader) const {
   const cycles::CycleReport report = reader.report();
   const cycles::CycleOptions& options = reader.options();
   Finding none = Finding{"cycles-absent", Severity::kError, "no complete pattern cycle was found",
                          "check the source of the cycles, the schedule and the number of patterns"}
                      .about("source");
   std::optional<Finding> of_triggers;
-  if (options.source == CycleSource::kTriggers) of_triggers = rig.check_triggers(options);
-  if (rig.is_empty()) {
+  if (options.source == CycleSource::kTriggers) of_triggers = check_triggers(inputs_, options, last_us_);
+  if (last_us_ == INT64_MIN) {
     none.code = "recording-empty";
     none.message += ": there are no events and no triggers in the time that was read";
     none.remedy = "compare the range of times with those that e2lf info states";
@@ -324,7 +324,7 @@ Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader)
     none.message += cat(": ", of_triggers->message);
     none.remedy = of_triggers->remedy;
     none.option = of_triggers->option;
-  } else if (options.source == CycleSource::kBursts && rig.has_triggers()) {
+  } else if (options.source == CycleSource::kBursts && !inputs_.empty()) {
     none.message += ": the events do not show each change of pattern, but the recording has triggers";
     none.remedy = "use the triggers as the source";
   } else if (options.tracker.first_pattern && options.source != CycleSource::kSchedule) {

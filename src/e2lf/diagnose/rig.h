@@ -57,11 +57,8 @@ class RigCheck {
 
   /// Returns the time of the recording that was added.
   [[nodiscard]] int64_t seen_us() const { return last_us_ == INT64_MIN ? 0 : last_us_ - first_us_; }
-  [[nodiscard]] bool is_empty() const { return last_us_ == INT64_MIN; }
-  [[nodiscard]] bool has_triggers() const { return !inputs_.empty(); }
-  [[nodiscard]] std::optional<Finding> check_triggers(const cycles::CycleOptions& options) const {
-    return diagnose::check_triggers(inputs_, options, last_us_);
-  }
+  /// Returns the reason why the recording contains no complete cycle.
+  [[nodiscard]] Finding no_cycle_finding(const cycles::CycleReader& reader) const;
 
   /// Returns the cycles that were found and dropped, and what may be wrong with the rig: {"complete", "dropped", ...,
   /// "triggers", "least_confidence", "event_delay_us", "findings"}.
@@ -99,9 +96,6 @@ class RigCheck {
   uint64_t batches_ = 0;
   float least_confidence_ = 1.0F;
 };
-
-/// Returns the reason why a recording contains no complete cycle.
-[[nodiscard]] Finding no_cycle_finding(const RigCheck& rig, const cycles::CycleReader& reader);
 
 /// Returns what may be wrong with a camera from the events and triggers that it sent during an observation.
 [[nodiscard]] Findings check_camera(const recordings::RecordingReader& camera, uint64_t events, uint64_t triggers,

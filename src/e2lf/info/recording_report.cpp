@@ -30,7 +30,7 @@ std::string report_text(const cycles::CycleReport& report) {
 }
 
 Error no_cycle_error(const fs::path& input, const diagnose::RigCheck& rig, const cycles::CycleReader& reader) {
-  const diagnose::Finding finding = diagnose::no_cycle_finding(rig, reader);
+  const diagnose::Finding finding = rig.no_cycle_finding(reader);
   return fail(ErrorCode::kInvalidValue, input, diagnose::text_of(finding), " (", rig.triggers_text(reader.schedule()),
               dropped_text(reader.report()),
               "). `e2lf accumulate ... --report cycles.svg` shows the event rate and the triggers");

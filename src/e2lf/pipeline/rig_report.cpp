@@ -260,7 +260,7 @@ Result<RigReport> examine_rig(CycleInput& input, MethodChoice choice, const std:
   if (on_read) on_read();
   RigReport report{.cycles = cycles.counts.cycles, .is_confirmed = cycles.is_confirmed};
   if (input.is_recording()) {
-    report.findings = report.cycles == 0 ? diagnose::Findings{diagnose::no_cycle_finding(input.rig(), input.reader())}
+    report.findings = report.cycles == 0 ? diagnose::Findings{input.rig().no_cycle_finding(input.reader())}
                                          : input.rig().findings(input.reader());
   }
   if (report.cycles == 0) return report;
