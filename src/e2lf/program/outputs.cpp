@@ -94,35 +94,25 @@ Result<void> RunRecord::write(const fs::path& path) const {
   return write_file(path, json_text(record));
 }
 
-namespace {
-
-/// Returns the inputs and everything else that the options of the verb name.
-std::vector<fs::path> with_named(std::vector<fs::path> inputs, const Verb& verb) {
-  const std::vector<fs::path> named = verb.named_inputs();
-  inputs.insert(inputs.end(), named.begin(), named.end());
-  return inputs;
+OutputRules recording_output_rules(const Verb& verb, const recordings::Codec& codec) {
+  return recordings::recording_output_rules(verb.named_inputs(), verb.common().overwrite, codec);
 }
 
-}  // namespace
-
-OutputRules recording_output_rules(const Verb& verb, const std::vector<fs::path>& inputs,
-                                   const recordings::Codec& codec) {
-  return recordings::recording_output_rules(with_named(inputs, verb), verb.common().overwrite, codec);
+OutputRules output_rules(const Verb& verb, const std::vector<fs::path>& more) {
+  std::vector<fs::path> inputs = verb.named_inputs();
+  inputs.insert(inputs.end(), more.begin(), more.end());
+  return recordings::output_rules(inputs, verb.common().overwrite);
 }
 
-OutputRules output_rules(const Verb& verb, const std::vector<fs::path>& inputs, std::string ending) {
-  OutputRules rules = recordings::output_rules(with_named(inputs, verb), verb.common().overwrite);
+Result<OutputFile> open_output(const fs::path& named, const Verb& verb, std::string ending,
+                               const std::vector<fs::path>& more) {
+  OutputRules rules = output_rules(verb, more);
   rules.ending = std::move(ending);
-  return rules;
+  return OutputFile::create(named, rules);
 }
 
-Result<OutputFile> open_output(const fs::path& named, const Verb& verb, const std::vector<fs::path>& inputs,
-                               std::string ending) {
-  return OutputFile::create(named, output_rules(verb, inputs, std::move(ending)));
-}
-
-Result<ResultFolder> open_output_folder(const fs::path& named, const Verb& verb, const std::vector<fs::path>& inputs) {
-  return open_result_folder(named, output_rules(verb, inputs));
+Result<ResultFolder> open_output_folder(const fs::path& named, const Verb& verb, const std::vector<fs::path>& more) {
+  return open_result_folder(named, output_rules(verb, more));
 }
 
 Result<void> commit(OutputFile& output, const RunRecord& record) {

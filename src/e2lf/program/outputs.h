@@ -67,18 +67,18 @@ class RunRecord {
   Clock::time_point step_begin_ = Clock::now();
 };
 
-/// Return the rules for an output of a verb with these inputs, the main one first, and with Verb::named_inputs(); see
-/// the functions of `recordings` with the same names.
-[[nodiscard]] OutputRules recording_output_rules(const Verb& verb, const std::vector<std::filesystem::path>& inputs,
-                                                 const recordings::Codec& codec);
-[[nodiscard]] OutputRules output_rules(const Verb& verb, const std::vector<std::filesystem::path>& inputs,
-                                       std::string ending = {});
+/// Return the rules for an output of a verb, which replaces none of Verb::named_inputs(), of which the main one is the
+/// first, and of the inputs that no option names, `more`; see the functions of `recordings` with the same names.
+[[nodiscard]] OutputRules recording_output_rules(const Verb& verb, const recordings::Codec& codec);
+[[nodiscard]] OutputRules output_rules(const Verb& verb, const std::vector<std::filesystem::path>& more = {});
 
-/// Open a file and a folder for results. Fail as OutputFile::create() and open_result_folder() do.
+/// Open a file, whose name ends with `ending`, and a folder for results. Fail as OutputFile::create() and
+/// open_result_folder() do.
 [[nodiscard]] Result<OutputFile> open_output(const std::filesystem::path& named, const Verb& verb,
-                                             const std::vector<std::filesystem::path>& inputs, std::string ending = {});
+                                             std::string ending = {},
+                                             const std::vector<std::filesystem::path>& more = {});
 [[nodiscard]] Result<ResultFolder> open_output_folder(const std::filesystem::path& named, const Verb& verb,
-                                                      const std::vector<std::filesystem::path>& inputs);
+                                                      const std::vector<std::filesystem::path>& more = {});
 
 /// Complete the result of a run with its record and move both to their place. A stream has no record. Fail as
 /// RunRecord::json() and the result's own commit() do.

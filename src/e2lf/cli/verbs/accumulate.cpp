@@ -212,7 +212,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   }
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
-  OutputRules rules = output_rules(verb, {arguments.input});
+  const OutputRules rules = output_rules(verb);
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   RunRecord record(verb);

@@ -92,9 +92,7 @@ std::string next_step(const CalibrateArguments& arguments) {
 
 Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  std::vector<fs::path> inputs = arguments.inputs;
-  inputs.insert(inputs.end(), {arguments.codes.codes, arguments.codes.model, arguments.camera});
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, inputs, ".json"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, ".json"));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(capture::SensorProfile start, load_camera(arguments.camera, record));
   std::vector<calibrate::StillScene> scenes;

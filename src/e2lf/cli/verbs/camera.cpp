@@ -297,7 +297,7 @@ Result<void> keep(const RecordArguments& arguments, const recordings::LiveSource
 }
 
 Result<void> record_input(const RecordArguments& arguments, const Verb& verb) {
-  OutputRules rules = output_rules(verb, {arguments.input});
+  OutputRules rules = output_rules(verb);
   rules.streams = true;
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
   // This is checked before the camera starts, because its data must not wait for it.

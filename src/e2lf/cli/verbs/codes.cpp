@@ -49,7 +49,7 @@ int run_codes_show(const std::vector<std::string>& arguments) {
     RunRecord record(verb);
     E2LF_ASSIGN_OR_RETURN(const pipeline::KnownCodes known, load_codes(source, record));
     if (!output.empty()) {
-      E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, {source.model, source.codes}));
+      E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb));
       E2LF_RETURN_IF_ERROR(capture::write_codes(file.path(), known.codes));
       E2LF_RETURN_IF_ERROR(file.commit());
     }
@@ -117,8 +117,7 @@ Result<void> render(const RenderArguments& arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const DisplaySequence sequence, display_sequence(arguments.display, record));
   E2LF_RETURN_IF_ERROR(check_depth(arguments, sequence.codes));
   const std::vector<ByteImage>& frames = sequence.frames;
-  const CodesSource& source = arguments.display.codes;
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb));
   for (size_t i = 0; i < frames.size(); ++i) {
     E2LF_ASSIGN_OR_RETURN(const auto bytes, arguments.bits == 1 ? lightfield::encode_bilevel_png(frames[i])
                                                                 : lightfield::encode_png(frames[i]));

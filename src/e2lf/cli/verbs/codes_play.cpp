@@ -269,8 +269,7 @@ cycles::Schedule shown_schedule(const Player& player, cycles::Schedule schedule)
 
 Result<void> play(PlayArguments arguments, const Verb& verb) {
   RunRecord record(verb);
-  const CodesSource& source = arguments.display.codes;
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {source.model, source.codes}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb));
   E2LF_ASSIGN_OR_RETURN(const std::unique_ptr<Screen> screen, Screen::open(arguments.screen));
   capture::DisplayLayout& layout = arguments.display.layout;
   if (layout.width_px == 0) layout.width_px = screen->width_px();

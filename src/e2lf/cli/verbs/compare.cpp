@@ -133,11 +133,8 @@ Result<void> compare_methods(CompareArguments arguments, const Verb& verb) {
   E2LF_ASSIGN_OR_RETURN(const compare::ComparisonConfig config, configuration(arguments, verb));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(const compare::Plan plan, compare::make_plan(config, environment_of(arguments)));
-  std::vector<fs::path> inputs = plan.files;
-  inputs.push_back(arguments.config);
-  inputs.insert(inputs.end(), arguments.merged.begin(), arguments.merged.end());
   GrowingFolder folder{"compare", {std::begin(compare::kTableFiles), std::end(compare::kTableFiles)}};
-  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far()));
+  E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, plan.files), record.json_so_far()));
   record.end_step("plan");
   const compare::ResultStore store(folder.path());
   E2LF_RETURN_IF_ERROR(take_over(arguments, plan, store));

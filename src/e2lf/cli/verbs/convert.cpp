@@ -39,9 +39,9 @@ Result<void> convert_light_field(const ConvertArguments& arguments, const Verb& 
   std::optional<ResultFolder> folder;
   std::optional<OutputFile> file;
   if (lightfield::is_folder_format(write.format)) {
-    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, verb, {arguments.input}));
+    E2LF_ASSIGN_OR_RETURN(folder, open_output_folder(arguments.output, verb));
   } else {
-    E2LF_ASSIGN_OR_RETURN(file, open_output(arguments.output, verb, {arguments.input}));
+    E2LF_ASSIGN_OR_RETURN(file, open_output(arguments.output, verb));
   }
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field,
@@ -90,7 +90,7 @@ fs::path part_path(const fs::path& output, size_t number) {
 Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::Codec& codec, size_t number,
                                   const Verb& verb) {
   const fs::path named = part_path(arguments.output, number);
-  const OutputRules rules = recording_output_rules(verb, {arguments.input}, codec);
+  const OutputRules rules = recording_output_rules(verb, codec);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {
     return fail(ErrorCode::kUnsupported, arguments.output,
@@ -191,7 +191,7 @@ Result<void> require_npz(const ConvertArguments& arguments) {
 Result<void> convert_event_images(const ConvertArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_RETURN_IF_ERROR(require_npz(arguments));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(capture::EventImageFile file, capture::read_event_images(arguments.input));
   if (const OrientationFlags& given = arguments.light_field.orientation; !given.value().is_upright()) {

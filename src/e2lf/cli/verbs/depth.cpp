@@ -138,9 +138,9 @@ Result<void> write_disparities(const DisparityOutput& output, const DisparitySou
   std::optional<OutputFile> file;
   std::optional<ResultParts> parts;
   if (is_disparity_file(output.output)) {
-    E2LF_ASSIGN_OR_RETURN(file, open_output(output.output, verb, {output.input}));
+    E2LF_ASSIGN_OR_RETURN(file, open_output(output.output, verb));
   } else {
-    E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(output.output, verb, {output.input}));
+    E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(output.output, verb));
     parts.emplace(std::move(folder), output.is_one, output.is_strict);
   }
   Shared shared;

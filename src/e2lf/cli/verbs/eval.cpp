@@ -250,9 +250,9 @@ Result<Compared> compare_one(const Candidate& candidate, lightfield::LightField 
 Result<void> evaluate(const EvalArguments& arguments, const Verb& verb) {
   const bool quiet = verb.common().quiet;
   E2LF_ASSIGN_OR_RETURN(const std::vector<Candidate> candidates, candidates_of(arguments));
-  std::vector<fs::path> inputs = {arguments.truth, arguments.events, arguments.true_disparity};
-  for (const Candidate& candidate : candidates) inputs.push_back(candidate.path);
-  OutputRules rules = output_rules(verb, inputs);
+  std::vector<fs::path> named;
+  for (const Candidate& candidate : candidates) named.push_back(candidate.path);
+  OutputRules rules = output_rules(verb, named);
   E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
   rules.streams = true;
   rules.ending = ".json";

@@ -60,7 +60,7 @@ Result<void> print_info(InfoArguments& arguments, const Verb& verb) {
     E2LF_RETURN_IF_ERROR(verb.refuse_options({kLightFieldOptions}, kind_text(kind)));
   }
   if (kind == FileKind::kRecording) {
-    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb, {path})));
+    E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb)));
     return print_recording(arguments, reports, verb);
   }
   if (!arguments.reports.empty()) {

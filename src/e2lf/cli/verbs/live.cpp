@@ -282,14 +282,13 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
     return fail(ErrorCode::kInvalidValue, "--record", "recordings require a folder; set it with -o");
   }
   RunRecord record(verb);
-  const std::vector<fs::path> inputs = {arguments.source};
   GrowingFolder folder("live", {});
   if (!arguments.output.empty()) {
-    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb, inputs), record.json_so_far()));
+    E2LF_RETURN_IF_ERROR(folder.open(arguments.output, output_rules(verb), record.json_so_far()));
   }
   std::optional<OutputFile> last;
   if (!arguments.last.empty()) {
-    E2LF_ASSIGN_OR_RETURN(last, open_output(arguments.last, verb, inputs, ".npy"));
+    E2LF_ASSIGN_OR_RETURN(last, open_output(arguments.last, verb, ".npy"));
   }
   Result<void> ran;
   auto setup = make_live_setup(arguments, folder.path(), record);

@@ -39,7 +39,7 @@ int run_model_info(const std::vector<std::string>& arguments) {
 template <typename Read, typename Write>
 Result<void> import_weights(const std::vector<fs::path>& inputs, const fs::path& output, const Verb& verb,
                             const Read& read, const Write& write) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, inputs, ".safetensors"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, ".safetensors", inputs));
   RunRecord record(verb, inputs);
   E2LF_ASSIGN_OR_RETURN(const auto model, read());
   E2LF_RETURN_IF_ERROR(write(file.path(), model));
@@ -104,8 +104,7 @@ void add_rewrite_options(Verb& verb, RewriteArguments& arguments, const std::str
 template <typename Write>
 Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step, const char* ending, const Verb& verb,
                              const Write& write) {
-  E2LF_ASSIGN_OR_RETURN(OutputFile file,
-                        open_output(arguments.output, verb, {arguments.input, arguments.camera}, ending));
+  E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(arguments.output, verb, ending));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(model::Model model, model::read_model(arguments.input));
   E2LF_ASSIGN_OR_RETURN(model, geometry::for_own_patterns(std::move(model)));

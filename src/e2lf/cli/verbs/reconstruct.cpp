@@ -52,7 +52,7 @@ std::string result_text(const ReconstructArguments& arguments, bool is_one, size
 Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb) {
   // Before there is an output, because the program that continues would find it unfinished.
   E2LF_RETURN_IF_ERROR(require_device(arguments.method.choice.device));
-  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder folder, open_output_folder(arguments.output, verb));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(pipeline::EventRun run, open_event_run(arguments.input, arguments.cycles, arguments.method,
                                                                arguments.orientation, verb, record));

@@ -45,7 +45,7 @@ Result<lightfield::Aperture> aperture_of(const RefocusArguments& arguments, cons
 
 Result<void> refocus(const RefocusArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, ".png"));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet, arguments.disparities));
@@ -135,7 +135,7 @@ Result<void> epi(const EpiArguments& arguments, const Verb& verb) {
   if (arguments.view && arguments.row.has_value() == arguments.column.has_value()) {
     return fail(ErrorCode::kInvalidValue, "", "--view selects the views of a single cut; give --row or --column");
   }
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}, ".png"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, ".png"));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet));
@@ -211,7 +211,7 @@ Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
   E2LF_RETURN_IF_ERROR(pipeline::naming(arguments.output, film::check_film_support()));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, {arguments.input}));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb));
   RunRecord record(verb, {arguments.input});
   E2LF_ASSIGN_OR_RETURN(const LightField light_field,
                         load_to_show(arguments.input, arguments.light_field, common.quiet,

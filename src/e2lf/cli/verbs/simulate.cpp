@@ -75,10 +75,9 @@ Result<void> check_model_flags(const SimulateArguments& arguments, const capture
 }
 
 Result<OutputFile> open_events(const SimulateArguments& arguments, const Verb& verb) {
-  const std::vector<fs::path> inputs = {arguments.input};
-  if (arguments.output.extension() == ".npz") return open_output(arguments.output, verb, inputs);
+  if (arguments.output.extension() == ".npz") return open_output(arguments.output, verb);
   E2LF_ASSIGN_OR_RETURN(const recordings::Codec* codec, recordings::codec_to_write(arguments.output, ""));
-  return OutputFile::create(arguments.output, recording_output_rules(verb, inputs, *codec));
+  return OutputFile::create(arguments.output, recording_output_rules(verb, *codec));
 }
 
 /// Patterns, camera, event model and constants, and how the scene is read.

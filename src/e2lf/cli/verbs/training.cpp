@@ -67,7 +67,7 @@ int run_pack(const std::vector<std::string>& arguments) {
   return verb.run(arguments, [&]() -> Result<void> {
     std::vector<fs::path> inputs = options.light_fields;
     inputs.insert(inputs.end(), options.textures.begin(), options.textures.end());
-    E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, inputs, ".safetensors"));
+    E2LF_ASSIGN_OR_RETURN(OutputFile file, open_output(output, verb, ".safetensors"));
     RunRecord record(verb, inputs);
     ProgressBar bar("pack", verb.common().quiet);
     E2LF_ASSIGN_OR_RETURN(const auto summary, learn::pack(file.path(), options, bar.callback()));

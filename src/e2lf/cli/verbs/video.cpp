@@ -173,8 +173,7 @@ Json report_json(const VideoArguments& arguments, const VideoReport& report, con
 Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   cycles::WindowOptions options = window_options(arguments);
-  E2LF_ASSIGN_OR_RETURN(ResultFolder output,
-                        open_output_folder(arguments.output, verb, {arguments.input, arguments.model}));
+  E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb));
   RunRecord record(verb);
   E2LF_ASSIGN_OR_RETURN(auto reader, open_input(arguments));
   E2LF_ASSIGN_OR_RETURN(FrameMaker maker, make_frame_maker(arguments, reader->info(), record));

@@ -294,7 +294,7 @@ Result<void> export_page(const ViewArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
   std::vector<fs::path> inputs = arguments.things;
   if (!arguments.disparity.empty()) inputs.push_back(arguments.disparity);
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.page, verb, inputs, ".html"));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.page, verb, ".html"));
   RunRecord record(verb, inputs);
   E2LF_ASSIGN_OR_RETURN(const view::Document document, make_document(arguments, common.quiet));
   record.end_step("read");
