@@ -62,8 +62,9 @@ Json to_json(const Findings& findings) {
   return json;
 }
 
-Findings findings_from_json(const Json& json) {
+Findings findings_from_text(const std::string& text) {
   Findings findings;
+  const Json json = parse_json(text, "findings").value_or(Json());
   for (const Json& each : json.is_array() ? json : Json::array()) {
     if (!each.is_object()) continue;
     Finding finding{
@@ -74,15 +75,6 @@ Findings findings_from_json(const Json& json) {
     findings.push_back(std::move(finding));
   }
   return findings;
-}
-
-std::string to_text(const Findings& findings) {
-  return to_json(findings).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-Findings findings_from_text(const std::string& text) {
-  const auto json = parse_json(text, "findings");
-  return json ? findings_from_json(*json) : Findings();
 }
 
 }  // namespace e2lf::diagnose

@@ -44,11 +44,8 @@ void log_findings(const std::string& name, const Findings& findings);
 
 /// Converts findings to [{"code", "severity", "message", "remedy", "option", "figures"}, ...].
 [[nodiscard]] Json to_json(const Findings& findings);
-/// Converts them back, and ignores what is not of this form.
-[[nodiscard]] Findings findings_from_json(const Json& json);
-
-/// The same as text, for capture::RecordedSetup::findings.
-[[nodiscard]] std::string to_text(const Findings& findings);
+/// Converts the text of this JSON back, as capture::RecordedSetup::findings stores it, and ignores what is not of this
+/// form.
 [[nodiscard]] Findings findings_from_text(const std::string& text);
 
 }  // namespace e2lf::diagnose

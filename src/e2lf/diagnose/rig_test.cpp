@@ -76,13 +76,13 @@ TEST(RigCheck, TrustsNoCycleWhoseSignsContradictTheSchedule) {
 TEST(Findings, ComeBackFromJsonAndSpellSettings) {
   const Findings findings = {
       {"polarity-inverted", Severity::kError, "it is inverted", "exchange them", {{"cycles", 3}}, "invert_polarity"}};
-  const Findings read = findings_from_json(to_json(findings));
+  const Findings read = findings_from_text(json_line(to_json(findings)));
   ASSERT_EQ(read.size(), 1U);
   EXPECT_EQ(read[0].code, "polarity-inverted");
   EXPECT_EQ(read[0].severity, Severity::kError);
   EXPECT_EQ(read[0].figures["cycles"], 3);
   EXPECT_EQ(text_of(read[0]), read[0].code + ": it is inverted; exchange them (invert_polarity)");
-  EXPECT_TRUE(findings_from_json({{"code", 3}}).empty());
+  EXPECT_TRUE(findings_from_text("{\"code\": 3}").empty());
   EXPECT_TRUE(has_doubt(read));
 }
 

@@ -78,10 +78,10 @@ double after_ms(const recordings::EventRate& rate, int64_t t_us) {
 }
 
 /// The higher the confidence of a cycle, the darker it is shaded.
-report::Bands shaded(const std::vector<FoundCycle>& cycles, const recordings::EventRate& rate) {
+report::Bands shaded(const std::vector<cycles::Cycle>& found, const recordings::EventRate& rate) {
   report::Bands bands{"cycles: number, confidence", {}};
-  for (size_t i = 0; i < std::min(cycles.size(), kMaxDrawn); ++i) {
-    const FoundCycle& cycle = cycles[i];
+  for (size_t i = 0; i < std::min(found.size(), kMaxDrawn); ++i) {
+    const cycles::Cycle& cycle = found[i];
     const double confidence = static_cast<double>(cycle.confidence);
     std::string text = cat(cycle.number, ": ", report::tick_text(confidence, 2));
     for (const cycles::TimeSlice& slice : cycle.slices) {

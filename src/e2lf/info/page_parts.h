@@ -29,14 +29,9 @@ struct NamedImage {
 [[nodiscard]] Result<void> add_pictures(const std::vector<NamedImage>& images, size_t most_width, report::Page& page);
 
 /// The marks and cycles that were found in a recording, for its chart.
-struct FoundCycle {
-  uint64_t number = 0;
-  float confidence = 1.0F;
-  std::vector<cycles::TimeSlice> slices;  ///< time slices of its event images
-};
 struct FoundCycles {
   std::vector<cycles::Mark> marks;  ///< triggers or bursts
-  std::vector<FoundCycle> cycles;
+  std::vector<cycles::Cycle> cycles;
 };
 
 /// Returns a chart of the event rate over time in ms and million events/s, ON above the axis and OFF below, with a tick

@@ -89,7 +89,8 @@ TEST(EventRun, ReportsTheCyclesThatAreTooFewForAnotherSum) {
 
 TEST(EventRun, CollectsWhatMayBeWrong) {
   capture::MeasurementFile file = file_of(1);
-  file.setup.findings = diagnose::to_text({{"polarity-inverted", diagnose::Severity::kError, "m", "r"}});
+  file.setup.findings =
+      json_line(diagnose::to_json(diagnose::Findings{{"polarity-inverted", diagnose::Severity::kError, "m", "r"}}));
   for (const EventRunOptions& options : {light_fields({.passes = 3}), maps()}) {
     EventRun run = EventRun::open(file, options).value();
     const std::vector<std::string> at_first = codes_of(run.report().findings);

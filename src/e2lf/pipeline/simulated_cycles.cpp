@@ -11,7 +11,7 @@
 namespace e2lf::pipeline {
 Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera, const lightfield::LightField& scene,
                                             uint64_t cycle) {
-  const uint64_t seed = cycle_seed(camera.seed, cycle);
+  const uint64_t seed = camera.seed + cycle;
   capture::Measurement measured;
   measured.kind = camera.measurement;
   const capture::SensorProfile& profile = camera.profile;

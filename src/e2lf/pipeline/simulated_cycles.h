@@ -22,14 +22,9 @@ struct SimulatedCamera {
   uint64_t seed = 1;
 };
 
-/// Returns the seed for the noise of one cycle of a static scene. The thresholds of physical pixels do not change from
-/// cycle to cycle and are generated from the seed of the camera.
-[[nodiscard]] inline uint64_t cycle_seed(uint64_t seed, uint64_t cycle) {
-  return seed + cycle;
-}
-
-/// Simulates the measurement of one cycle of a static scene: event images, intensity images or both. Fails as
-/// sensor::simulate_events(), sensor::simulate_pixel_events() and sensor::measure_images() do.
+/// Simulates the measurement of one cycle of a static scene: event images, intensity images or both. The seed of its
+/// noise is that of the camera plus `cycle`; the thresholds of physical pixels do not change from cycle to cycle. Fails
+/// as sensor::simulate_events(), sensor::simulate_pixel_events() and sensor::measure_images() do.
 [[nodiscard]] Result<capture::Measurement> simulate_cycle(const SimulatedCamera& camera,
                                                           const lightfield::LightField& scene, uint64_t cycle);
 

@@ -40,7 +40,7 @@ struct CyclePlot {
     if (found.marks.size() < kMaxDrawn) found.marks.push_back(mark);
   }
   void add(const cycles::Cycle& cycle) {
-    if (found.cycles.size() < kMaxDrawn) found.cycles.push_back({cycle.number, cycle.confidence, cycle.slices});
+    if (found.cycles.size() < kMaxDrawn) found.cycles.push_back(cycle);
   }
 };
 
@@ -242,7 +242,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   diagnose::Findings findings = input.rig().findings(reader);
   scene.judge(setup, findings);
   diagnose::log_findings(arguments.input.string(), findings);
-  E2LF_RETURN_IF_ERROR(writer->finish(diagnose::to_text(findings)));
+  E2LF_RETURN_IF_ERROR(writer->finish(json_line(diagnose::to_json(findings))));
   record.resolve("source", word_of(reader.source(), kCycleSources));
   Json json = input.rig().json(reader);
   record.note("cycles", json);
