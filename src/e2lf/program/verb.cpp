@@ -87,8 +87,19 @@ std::optional<std::string> missing_argument(const CLI::App& app, const std::stri
   return std::nullopt;
 }
 
+/// Returns a message about an argument that is the name of a file but looks like an option.
+std::optional<std::string> dashed_file(const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    std::error_code error;
+    if (argument.size() < 2 || argument[0] != '-' || !std::filesystem::exists(argument, error)) continue;
+    return cat(argument, " is taken for an option; write ./", argument, " for the file");
+  }
+  return std::nullopt;
+}
+
 /// Returns a message about the first argument that looks like a long flag but is none.
 std::optional<std::string> unknown_argument(const CLI::App& app, const std::vector<std::string>& arguments) {
+  if (auto file = dashed_file(arguments)) return file;
   for (const std::string& argument : arguments) {
     const std::string flag = argument.substr(0, argument.find('='));
     if (!flag.starts_with("--") || app.get_option_no_throw(flag) != nullptr) continue;
@@ -303,6 +314,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   } catch (const CLI::ExtrasError& error) {
     return usage_error(unknown_argument(app_, arguments).value_or(error.what()));
   } catch (const CLI::RequiredError& error) {
+    if (const auto file = dashed_file(arguments)) return usage_error(*file);
     return usage_error(missing_argument(app_, example_).value_or(error.what()));
   } catch (const CLI::ParseError& error) {
     std::string message = error.what();
