@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/view/server.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cstring>
 #include <httplib.h>
+#include <list>
 #include <mutex>
+#include <poll.h>
 #include <random>
 #include <sys/socket.h>
 #include <thread>
+#include <unistd.h>
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
@@ -17,8 +23,141 @@ namespace e2lf::view {
 
 namespace {
 
-constexpr std::chrono::seconds kMostSilence{3};  // of a client that sends a request or receives an answer
-constexpr size_t kThreads = 64;                  // so that slow clients do not keep the others waiting
+using Clock = std::chrono::steady_clock;
+
+constexpr int kRequestMs = 3'000;        // longest time for a request to arrive, and between two of them
+constexpr int kSilenceMs = 5'000;        // longest time in which a client accepts no byte of an answer
+constexpr int kMostConnections = 500;    // further ones are closed
+constexpr size_t kMostRequests = 1'000;  // of one connection
+
+/// Returns true if bytes follow the head of a request. No request of the page has any.
+bool has_body(const httplib::Request& request) {
+  const auto lengths = request.headers.equal_range("Content-Length");
+  return request.has_header("Transfer-Encoding") ||
+         std::any_of(lengths.first, lengths.second, [](const auto& length) { return length.second != "0"; });
+}
+
+/// One connection, whose waiting ends at a stop or at the deadline of the request.
+class Connection : public httplib::Stream {
+ public:
+  Connection(socket_t socket, const std::atomic<bool>& is_over) : socket_(socket), is_over_(is_over) {}
+
+  /// Waits for the first byte of the next request, and sets the deadline for all of it.
+  bool begin_request() {
+    deadline_ = Clock::now() + std::chrono::milliseconds(kRequestMs);
+    return begin_ < end_ || wait_for(POLLIN, deadline_);
+  }
+
+  ssize_t read(char* data, size_t size) override {
+    if (begin_ == end_) {
+      if (!wait_for(POLLIN, deadline_)) return -1;
+      const ssize_t received = ::recv(socket_, buffer_.data(), buffer_.size(), 0);
+      if (received <= 0) return received;
+      begin_ = 0;
+      end_ = static_cast<size_t>(received);
+    }
+    const size_t taken = std::min(size, end_ - begin_);
+    std::memcpy(data, buffer_.data() + begin_, taken);
+    begin_ += taken;
+    return static_cast<ssize_t>(taken);
+  }
+
+  ssize_t write(const char* data, size_t size) override {
+    if (!wait_for(POLLOUT, Clock::now() + std::chrono::milliseconds(kSilenceMs))) return -1;
+    return ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
+
+  /// Ends the answers, and discards what the client still sends until the deadline of the request: if the socket were
+  /// closed with unread bytes in it, the system would reset the connection and the client could lose the answer.
+  void discard_rest() {
+    ::shutdown(socket_, SHUT_WR);
+    while (wait_for(POLLIN, deadline_) && ::recv(socket_, buffer_.data(), buffer_.size(), 0) > 0) continue;
+  }
+
+  [[nodiscard]] bool is_readable() const override { return !is_over_; }
+  [[nodiscard]] bool is_writable() const override { return !is_over_; }
+  void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
+  void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
+  [[nodiscard]] socket_t socket() const override { return socket_; }
+
+ private:
+  [[nodiscard]] bool wait_for(short what, Clock::time_point deadline) const {
+    constexpr int kPollMs = 50;  // limits how long a stop waits
+    pollfd one{.fd = socket_, .events = what, .revents = 0};
+    while (!is_over_ && Clock::now() < deadline) {
+      if (::poll(&one, 1, kPollMs) > 0) return true;
+    }
+    return false;
+  }
+
+  socket_t socket_;
+  const std::atomic<bool>& is_over_;
+  Clock::time_point deadline_;
+  std::array<char, 4096> buffer_ = {};
+  size_t begin_ = 0, end_ = 0;  ///< of the bytes that were received and not yet read
+};
+
+/// Starts a thread for each connection, so that slow ones do not keep the others waiting.
+class ThreadPerConnection : public httplib::TaskQueue {
+ public:
+  void enqueue(std::function<void()> serve) override {
+    threads_.remove_if([](Thread& each) { return each.has_ended.load(); });
+    Thread& added = threads_.emplace_back();
+    added.thread = std::jthread([serve = std::move(serve), &ended = added.has_ended] {
+      serve();
+      ended = true;
+    });
+  }
+  void shutdown() override { threads_.clear(); }
+
+ private:
+  struct Thread {
+    std::atomic<bool> has_ended = false;
+    std::jthread thread;  ///< is joined by its destructor
+  };
+  std::list<Thread> threads_;
+};
+
+/// A server of httplib whose connections end at a stop, and none of which keeps the others waiting: each has its own
+/// thread, and a request must arrive within a few seconds, however slowly its bytes come.
+class ConnectionServer : public httplib::Server {
+ public:
+  ConnectionServer() {
+    new_task_queue = [] { return new ThreadPerConnection(); };
+  }
+
+  /// Ends listening and all connections. It may be called from any thread.
+  void stop_all() {
+    is_over_ = true;
+    stop();
+  }
+
+ private:
+  bool process_and_close_socket(socket_t socket) override {
+    bool is_good = connections_++ < kMostConnections, is_closed = !is_good;
+    Connection connection(socket, is_over_);
+    for (size_t number = 1; !is_closed && is_good && connection.begin_request(); ++number) {
+      // Bodies are not read, and of a request whose head is wrong it is unknown where it ends. What follows would be
+      // executed as the next request, so the connection ends after the answer.
+      bool is_whole = false;
+      is_good = process_request(connection, number == kMostRequests, is_closed, [&](httplib::Request& request) {
+        is_whole = !has_body(request);
+        if (!is_whole) request.headers.erase("Connection");
+        if (!is_whole) request.set_header("Connection", "close");  // httplib repeats it in the answer
+      });
+      if (!is_whole) connection.discard_rest();
+      if (!is_whole || number == kMostRequests) break;
+    }
+    --connections_;
+    ::shutdown(socket, SHUT_RDWR);
+    ::close(socket);
+    return is_good;
+  }
+
+  std::atomic<bool> is_over_ = false;
+  std::atomic<int> connections_ = 0;
+};
+
 constexpr const char* kHost = "127.0.0.1";
 constexpr std::chrono::milliseconds kStopPoll{100};
 
@@ -69,12 +208,7 @@ class DocumentServer : public Server {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    // Bodies are not read. What follows one would otherwise be executed as the next request.
-    server_.set_keep_alive_max_count(1);
-    server_.set_keep_alive_timeout(kMostSilence.count());
-    server_.set_read_timeout(kMostSilence);
-    server_.set_write_timeout(kMostSilence);
-    server_.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
+    server_.set_payload_max_length(0);
   }
 
   Result<void> bind(uint16_t port) {
@@ -102,7 +236,7 @@ class DocumentServer : public Server {
   Result<void> run() override {
     std::thread stopper([this] {
       while (!stop_requested() && !has_ended_) std::this_thread::sleep_for(kStopPoll);
-      server_.stop();
+      server_.stop_all();
     });
     const bool is_good = server_.listen_after_bind();
     const bool is_wanted = has_ended_.exchange(true);
@@ -183,7 +317,7 @@ class DocumentServer : public Server {
   std::shared_ptr<const ServedDocument> shown_;
   int port_ = 0;
   std::atomic<bool> has_ended_ = false;
-  httplib::Server server_;
+  ConnectionServer server_;
 };
 
 }  // namespace

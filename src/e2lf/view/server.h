@@ -31,7 +31,7 @@ using Handler = std::function<std::optional<Response>(const Request&)>;
 /// request. It listens on 127.0.0.1 only. Every address contains a secret of 128 random bits. A request is refused
 /// (403) unless its Host is this server's own: a page of another site that resolves its name to 127.0.0.1 has another
 /// Host. It is also refused if its Origin or Sec-Fetch-Site shows that it comes from another site. Bodies of requests
-/// are not read: each connection ends after an answer.
+/// are not read: the connection ends after the answer to a request that has one.
 class Server {
  public:
   /// Binds the port; 0 selects any free one. `handler` receives commands and the requests that the document does not

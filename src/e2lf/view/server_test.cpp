@@ -97,9 +97,14 @@ TEST(Server, WhatFollowsARequestWithABodyIsNotExecuted) {
   EXPECT_EQ(answers("GET " + path + host + length + "\r\n" + hidden), Codes{"200"});
   EXPECT_EQ(answers("nonsense\r\n" + hidden), Codes{"400"});
   EXPECT_EQ(answers("GET /" + std::string(10'000, 'x') + host + "\r\n" + hidden), Codes{"414"});
+  EXPECT_EQ(answers("POST /x" + host + foreign + "Content-Length: 1000000\r\n\r\n" + std::string(1'000'000, 'x')),
+            Codes{"403"});
   EXPECT_EQ(commands, 0u);
-  EXPECT_EQ(answers("POST " + path + "command" + host + "Content-Length: 0\r\n\r\n" + hidden), Codes{"200"});
-  EXPECT_EQ(commands, 1u);
+  // Requests of the page, which have no body, share a connection.
+  const std::string last = "GET " + path + "version" + host + "Connection: close\r\n\r\n";
+  EXPECT_EQ(answers("POST " + path + "command" + host + "Content-Length: 0\r\n\r\n" + hidden + last),
+            (Codes{"200", "200", "200"}));
+  EXPECT_EQ(commands, 2u);
   server->end();
   running.join();
 }

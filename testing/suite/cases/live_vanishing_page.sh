@@ -34,7 +34,6 @@ def vanish():
         page = connect()
         for _ in range(2):
             get(page, "picture?after=0&x=0.5&y=0.5")
-        page.connect()
         page.sock.sendall(ask)
         os.kill(os.getpid(), signal.SIGKILL)
     assert os.WTERMSIG(os.waitpid(child, 0)[1]) == signal.SIGKILL
