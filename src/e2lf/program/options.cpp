@@ -37,6 +37,11 @@ std::string check_float(std::string& text) {
 
 }  // namespace
 
+std::string value_type(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  return type.substr(0, type.find(':'));
+}
+
 void check_numbers(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     const std::string type = option->get_type_name();

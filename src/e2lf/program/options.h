@@ -19,6 +19,9 @@ inline constexpr char kPathType[] = "PATH", kModelType[] = "MODEL", kCodesType[]
 /// For verbs that accept any file or folder.
 inline constexpr char kThingType[] = "PATH|MODEL";
 
+/// Returns the placeholder of the values of an option, without the checks of them that CLI11 appends.
+[[nodiscard]] std::string value_type(const CLI::Option& option);
+
 /// Makes every option with a numeric value reject malformed numbers: a sign if the type has none, values beyond its
 /// range, NaN and infinity, and numbers that are not decimal. CLI11 would wrap or clip them silently.
 void check_numbers(CLI::App& app);

@@ -139,7 +139,7 @@ std::string from_folder(const fs::path& folder, const std::string& recorded) {
 /// that also accept bundled names.
 bool holds_path(const CLI::Option* option, const std::string& value, const fs::path& folder) {
   if (option == nullptr) return false;
-  const std::string type = option->get_type_name();
+  const std::string type = value_type(*option);
   std::error_code error;
   const bool may_be_name = type == kModelType || type == kCodesType || type == kCameraType;
   if (type == kThingType) return fs::exists(folder / value, error);

@@ -11,17 +11,18 @@ namespace {
 
 struct RecordedRun {
   CLI::App app;
-  std::filesystem::path input, output;
+  std::filesystem::path input, output, schedule;
   std::string word;
   Json record;
 
   explicit RecordedRun(const std::filesystem::path& folder) {
     app.add_option("--input", input);
     app.add_option("--output", output);
+    app.add_option("--schedule", schedule)->check(CLI::ExistingFile);
     app.add_option("--word", word);
     record = {{"folder", folder.string()},
               {"inputs", {{{"path", "events.raw"}}}},
-              {"options", {{"input", "events.raw"}, {"output", "out"}, {"word", "events"}}}};
+              {"options", {{"input", "events.raw"}, {"output", "out"}, {"schedule", "s.json"}, {"word", "events"}}}};
   }
 };
 
@@ -32,6 +33,7 @@ TEST(RecordedPaths, ResolvesPathsAgainstTheFolderOfTheRun) {
   resolve_recorded_paths(run.record, run.app);
   EXPECT_EQ(run.record["options"]["input"], (folder / "events.raw").string());
   EXPECT_EQ(run.record["options"]["output"], (folder / "out").string());
+  EXPECT_EQ(run.record["options"]["schedule"], (folder / "s.json").string()) << "whatever is checked of it";
   EXPECT_EQ(run.record["options"]["word"], "events") << "not a path";
   EXPECT_EQ(run.record["inputs"][0]["path"], (folder / "events.raw").string());
 }

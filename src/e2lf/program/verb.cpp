@@ -380,7 +380,7 @@ std::vector<fs::path> Verb::named_inputs() const {
   for (const CLI::Option* option : app_.get_options()) {
     if (is_output(*option)) continue;
     for (const std::string& value : option->results()) {
-      fs::path path = path_of_value(option->get_type_name(), value);
+      fs::path path = path_of_value(value_type(*option), value);
       if (!path.empty()) inputs.push_back(std::move(path));
     }
   }

@@ -192,4 +192,8 @@ fails 1 "no results" "$E2LF" compare c.json -o out2 --merge foreign
 echo mine >one/notes.txt
 "$E2LF" compare more.json -o one --set seeds=[1,2] --quiet
 [ "$(cat one/notes.txt)" = mine ] || fail "a file of someone else is gone"
-fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o .
+fails 1 "lost" "$E2LF" compare c.json -o .
+# Nor is a configuration replaced that has the name of a table.
+cp c.json one/table.json
+fails 1 "lost" "$E2LF" compare one/table.json -o one
+cmp c.json one/table.json
