@@ -4,7 +4,7 @@ part eval_errors
 # Light fields that cannot be compared are refused with the view or size at fault.
 "$E2LF" demo -o demo --width 48 --height 32 --quiet
 cp -r demo/scene missing && rm missing/03_05.png
-fails 1 "row 3, column 5" "$E2LF" eval demo/scene missing
+fails 1 "03_05" "$E2LF" eval demo/scene missing
 cp -r demo/scene unreadable && head -c 60 demo/scene/02_02.png >unreadable/02_02.png
 fails 1 "02_02.png" "$E2LF" eval demo/scene unreadable
 cp -r demo/scene garbage && echo "no picture" >garbage/00_07.png

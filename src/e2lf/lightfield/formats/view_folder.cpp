@@ -140,6 +140,19 @@ Result<FolderGrid> grid_of(const ViewFiles& views, const ReadOptions& options, c
   return grid;
 }
 
+/// Returns the name of a missing view. In the names of Stanford, the position of the camera is unknown.
+std::string missing_name(const ViewFiles& views, const FolderGrid& grid, int row, int column) {
+  if (views.kind == LightFieldKind::kStanfordFolder) return formatted("out_%02d_%02d_*.png", row, column);
+  if (views.kind != LightFieldKind::kHciFolder) return formatted("%02d_%02d.png", row, column);
+  const fs::path like = grid.files.begin()->second.filename();
+  const std::string stem = like.stem().string();
+  const size_t words = kHciName.find('#');
+  return cat(
+      stem.substr(0, words),
+      formatted("%0*d", static_cast<int>(stem.size() - words), grid.flat.first + grid.flat.columns * row + column),
+      like.extension().string());
+}
+
 /// Returns the files of the selected views, row by row.
 Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOptions& options, const fs::path& folder,
                                            ChosenGrid& chosen) {
@@ -152,11 +165,8 @@ Result<std::vector<fs::path>> choose_files(const ViewFiles& views, const ReadOpt
       const int column = grid.columns.first + grid.columns.step * static_cast<int>(chosen.x[view_x]);
       const auto found = grid.files.find({row, column});
       if (found == grid.files.end()) {
-        const bool is_flat = views.kind == LightFieldKind::kHciFolder;
-        return fail(ErrorCode::kNotFound, folder, "the view ",
-                    is_flat ? cat("number ", grid.flat.first + grid.flat.columns * row + column)
-                            : cat("in row ", row, ", column ", column),
-                    " is missing; copy the folder again");
+        return fail(ErrorCode::kNotFound, folder / missing_name(views, grid, row, column),
+                    "the view is missing; copy the folder again");
       }
       files.push_back(found->second);
     }
