@@ -31,10 +31,15 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
   const auto is_count = [end](float value) { return value == std::trunc(value) && value >= -32768.0F && value < end; };
   const auto other = std::find_if_not(values.begin(), values.end(), is_count);
   if (other != values.end()) {
-    return fail(ErrorCode::kInvalidValue, location, "the count ", *other, " at ",
-                place_of(static_cast<size_t>(other - values.begin()), array.shape), " is not a whole number of int16; ",
-                is_unsigned ? "unsigned numbers cannot be negative, and -1 becomes the largest: store int16"
-                            : "event images contain sums of signed events, so undo a scaling and replace NaN");
+    const std::string count =
+        cat("the count ", *other, " at ", place_of(static_cast<size_t>(other - values.begin()), array.shape));
+    if (is_unsigned && *other >= half) {
+      return fail(ErrorCode::kInvalidValue, location, count, " has an unsigned type (", array.type,
+                  "), in which -1 became ", 2 * half - 1, "; store the counts as int16");
+    }
+    return fail(ErrorCode::kInvalidValue, location, count,
+                " is not a whole number of int16; event images contain sums of signed events, so undo a scaling and "
+                "replace NaN");
   }
   std::vector<int16_t> counts(values.size());
   std::transform(values.begin(), values.end(), counts.begin(), [](float v) { return static_cast<int16_t>(v); });
