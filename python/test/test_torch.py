@@ -234,22 +234,28 @@ class NetworkTest(InFolder):
         self.assertTrue(torch.allclose(seen[1], torch.lerp(behind, intensities[1], opacities[1])[1]))  # the first is clear there
         self.assertTrue(gradcheck(lambda a, x: _compose(torch.cat([a, last]), x), (opacities.requires_grad_(), intensities)))
 
-    def test_every_weight_of_a_geometry_network_has_a_gradient(self):
-        torch.set_num_threads(1)
+    def test_a_training_step_of_a_geometry_network_takes_at_most_8_times_that_of_e2lf_n4(self):
+        torch.set_num_threads(1)  # processor time of one thread does not depend on other programs as much
         paths = sorted(Path(e2lf.bundled_model()).parent.glob("*geometry*.safetensors"))
         self.assertGreaterEqual(len(paths), 5)
-        least = {}
-        for name in ("e2lf-n4", *(path.stem for path in paths)):
-            network = load_module(name)
-            events = torch.randint(-4, 5, (1, network.num_patterns - 1, 64, 64)).float()
-            for _ in range(4):
+        networks, least = {name: load_module(name) for name in ("e2lf-n4", *(path.stem for path in paths))}, {}
+
+        def slow():
+            return [name for name in networks if not least.get(name, 1e9) < 8 * least.get("e2lf-n4", 0)]
+
+        for turn in range(40):  # the least time needs more turns while other programs run
+            if turn >= 4 and not slow():
+                break
+            for name, network in networks.items():
+                events = torch.randint(-4, 5, (1, network.num_patterns - 1, 64, 64)).float()
                 begin = time.thread_time()
                 network(events).square().mean().backward()
                 least[name] = min(least.get(name, 1e9), time.thread_time() - begin)
+        for name, network in networks.items():
+            print(f"training step of {name}: {least[name] / least['e2lf-n4']:.1f} times that of e2lf-n4 (64 px)")
             for parameter, value in network.named_parameters():
                 self.assertTrue(value.grad is not None and value.grad.isfinite().all(), f"{name}: {parameter}")
-            # Told, not tested, because it depends on what else runs.
-            print(f"training step of {name}: {least[name] / least['e2lf-n4']:.1f} times that of e2lf-n4 (64 px)")
+        self.assertEqual(slow(), [])
 
     def test_wrong_arguments_are_told_in_one_sentence(self):
         network, aperture, codes = load_module("e2lf-n4"), CodedAperture(4), model().codes
