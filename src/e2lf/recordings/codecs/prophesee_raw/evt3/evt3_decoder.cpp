@@ -315,7 +315,7 @@ Verdict judge_time_low(const uint8_t* words, size_t count, bool ended, const Che
   bool stepped = false;
   for (size_t i = 1; i < seen && judges < kJudges && !stepped; ++i) {
     const auto word = load_le<uint16_t>(words + 2 * i);
-    // Words after another coarse time, even that of a restarted clock, say nothing about this one.
+    // What follows another coarse time, also that of a clock that starts again, cannot judge this word.
     stepped = type_of(word) == kTimeHigh && steps(check.time_high, word) != 0;
     if (type_of(word) != kTimeLow) continue;
     const int next = word & static_cast<int>(kPayloadMask);
