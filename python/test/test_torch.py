@@ -2,7 +2,6 @@
 import os
 import subprocess
 import sys
-import time
 import unittest
 import warnings
 from concurrent.futures import ThreadPoolExecutor
@@ -17,6 +16,7 @@ from common import InFolder, command_line, command_line_json, model
 try:
     import torch
     from torch.autograd import gradcheck
+    from torch.utils._python_dispatch import TorchDispatchMode
     from e2lf.torch import (BasicLFSRPatches, CodedAperture, ConvGraph, EventSimulator, LightFieldPatches, from_macpi, from_sai,
                             load_module, new_module, psnr, save_module, ssim, synthesise, to_macpi, to_sai)
     from e2lf.torch.geometry import _compose, shift
@@ -27,6 +27,21 @@ except ImportError as error:
 ROOT = Path(__file__).resolve().parents[2]
 RELEASE = Path(os.environ.get("E2LF_DATA", "")) / "official"
 EXACT = 1e-5  # largest difference between the module and the engine
+
+
+class WrittenElements(TorchDispatchMode):
+    """Counts the elements that operations write, views excluded: a measure of work that depends on no machine."""
+
+    def __init__(self):
+        super().__init__()
+        self.count = 0
+
+    def __torch_dispatch__(self, function, types, args=(), kwargs=None):
+        outputs = function(*args, **(kwargs or {}))
+        if not any(each.alias_info and not each.alias_info.is_write for each in function._schema.returns):
+            tensors = outputs if isinstance(outputs, (tuple, list)) else [outputs]
+            self.count += sum(each.numel() for each in tensors if isinstance(each, torch.Tensor))
+        return outputs
 
 
 def counts_of(model, seed=2):
@@ -234,28 +249,21 @@ class NetworkTest(InFolder):
         self.assertTrue(torch.allclose(seen[1], torch.lerp(behind, intensities[1], opacities[1])[1]))  # the first is clear there
         self.assertTrue(gradcheck(lambda a, x: _compose(torch.cat([a, last]), x), (opacities.requires_grad_(), intensities)))
 
-    def test_a_training_step_of_a_geometry_network_takes_at_most_8_times_that_of_e2lf_n4(self):
-        torch.set_num_threads(1)  # processor time of one thread does not depend on other programs as much
-        paths = sorted(Path(e2lf.bundled_model()).parent.glob("*geometry*.safetensors"))
-        self.assertGreaterEqual(len(paths), 5)
-        networks, least = {name: load_module(name) for name in ("e2lf-n4", *(path.stem for path in paths))}, {}
-
-        def slow():
-            return [name for name in networks if not least.get(name, 1e9) < 8 * least.get("e2lf-n4", 0)]
-
-        for turn in range(40):  # the least time needs more turns while other programs run
-            if turn >= 4 and not slow():
-                break
-            for name, network in networks.items():
-                events = torch.randint(-4, 5, (1, network.num_patterns - 1, 64, 64)).float()
-                begin = time.thread_time()
-                network(events).square().mean().backward()
-                least[name] = min(least.get(name, 1e9), time.thread_time() - begin)
-        for name, network in networks.items():
-            print(f"training step of {name}: {least[name] / least['e2lf-n4']:.1f} times that of e2lf-n4 (64 px)")
+    def test_the_gradient_of_a_geometry_network_writes_at_most_1_75_times_what_the_network_writes(self):
+        models = [e2lf.Model(path) for path in sorted(Path(e2lf.bundled_model()).parent.glob("*geometry*.safetensors"))]
+        networks = [load_module(each) for each in models if each.codes is not None]  # others need patterns for their geometry
+        self.assertGreaterEqual(len(networks), 5)
+        for network in networks:
+            name = network.header["name"]
+            with WrittenElements() as forward:
+                loss = network(torch.randint(-4, 5, (1, network.num_patterns - 1, 64, 64)).float()).square().mean()
+            with WrittenElements() as backward:
+                loss.backward()
+            # The gradient of a slice is a whole tensor: with slices in place of _Shift, it writes 3.2 times as much.
+            self.assertLess(backward.count, 1.75 * forward.count, name)
+            self.assertLess(forward.count / (64 * 64 * 64), 1000, f"{name}, per ray")
             for parameter, value in network.named_parameters():
                 self.assertTrue(value.grad is not None and value.grad.isfinite().all(), f"{name}: {parameter}")
-        self.assertEqual(slow(), [])
 
     def test_wrong_arguments_are_told_in_one_sentence(self):
         network, aperture, codes = load_module("e2lf-n4"), CodedAperture(4), model().codes

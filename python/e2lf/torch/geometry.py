@@ -166,8 +166,8 @@ class RenderLayers(nn.Module):
         for row in self.rows:
             lower = shift(maps, 3, [-row * d for d in self.disparities], is_cubic=True)
             for column in self.columns:
-                planes_of_view = shift(lower, 4, [-column * d for d in self.disparities], is_cubic=True)
-                views.append(_compose(planes_of_view[:, 0].clamp(0, 1), planes_of_view[:, 1]))
+                opacities, intensities = shift(lower, 4, [-column * d for d in self.disparities], is_cubic=True).unbind(1)
+                views.append(_compose(opacities.clamp(0, 1), intensities))
         return torch.stack(views, 1)
 
 

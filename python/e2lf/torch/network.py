@@ -92,5 +92,8 @@ def _reads(layer: Layer) -> List[str]:
 
 
 def _cut(x: Tensor, size: List[int]) -> Tensor:
-    """Returns the part [..., :y, :x]."""
-    return x if [int(extent) for extent in x.shape[2:]] == size else x[:, :, : size[0], : size[1]]
+    """Returns the part [..., :y, :x]; a slice of an axis that stays whole would cost a copy in the gradient."""
+    for axis, extent in zip((2, 3), size):
+        if int(x.shape[axis]) != extent:
+            x = x.narrow(axis, 0, extent)
+    return x
