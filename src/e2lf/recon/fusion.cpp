@@ -7,14 +7,13 @@
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/recon/fusion_kernels.h"
 
 namespace e2lf::recon {
 namespace {
 
-constexpr size_t kCell = 4;   // px along each axis that start again together
-constexpr size_t kBlock = 2;  // px along each axis whose sums show fine texture
+constexpr size_t kCell = 4;  // px along each axis that start again together
 constexpr int kUnits = capture::kFusedUnits;
-constexpr int kWeightBits = 14;
 /// The effective number of cycles is tabulated up to this multiple of the number of cycles in a mean. It hardly grows
 /// beyond.
 constexpr size_t kSettled = 8;
@@ -102,11 +101,6 @@ size_t cells_of(size_t pixels) {
   return (pixels + kCell - 1) / kCell;
 }
 
-/// Returns a count in units of fused counts, limited to their range.
-int units_of(int16_t count) {
-  return std::clamp<int>(count, INT16_MIN / kUnits, INT16_MAX / kUnits) * kUnits;
-}
-
 }  // namespace
 
 CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycles)
@@ -128,7 +122,7 @@ void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
   cells_x_ = cells_of(width);
   const size_t cells = cells_y_ * cells_x_;
   cycle_ = 0;
-  means_.resize(count, height, width);
+  hidden_means_.resize(count, height, width);
   fused_.counts.resize(count, height, width);
   fused_.cycles.resize(1, height, width);
   added_.assign(cells, 0);
@@ -139,10 +133,28 @@ void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
   expected_.resize(cells);
   is_changed_.assign(cells, 1);
   is_near_change_.assign(cells, 0);
+  are_means_hidden_.assign(cells_y_, 0);
+}
+
+capture::EventImages& CycleFusion::means(size_t cell_y) {
+  return are_means_hidden_[cell_y] != 0 ? hidden_means_ : fused_.counts;
+}
+
+/// Separates the means of a row of cells from what is shown there, or unites them again.
+void CycleFusion::hide_means(size_t cell_y, bool are_hidden) {
+  if (are_hidden == (are_means_hidden_[cell_y] != 0)) return;
+  const capture::EventImages& from = means(cell_y);
+  are_means_hidden_[cell_y] = are_hidden ? 1 : 0;
+  capture::EventImages& to = means(cell_y);
+  const size_t first = cell_y * kCell * from.width;
+  const size_t count = std::min(kCell, from.height - cell_y * kCell) * from.width;
+  for (size_t k = 0; k < from.count; ++k) {
+    std::ranges::copy(from.image(k).subspan(first, count), to.image(k).subspan(first).begin());
+  }
 }
 
 void CycleFusion::add(const PlanesView<const int16_t>& cycle) {
-  const std::array<size_t, 3> extents = {means_.count, means_.height, means_.width};
+  const std::array<size_t, 3> extents = {fused_.counts.count, fused_.counts.height, fused_.counts.width};
   const bool is_first = cycle.extents != extents;
   if (is_first) {
     restart(cycle);
@@ -163,25 +175,24 @@ void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
 }
 
 void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
-  const size_t width = means_.width, first = cell_y * kCell;
-  const size_t rows = std::min(kCell, means_.height - first), begin = cell_y * cells_x_;
+  const capture::EventImages& all_means = means(cell_y);
+  const size_t width = all_means.width, first = cell_y * kCell;
+  const size_t rows = std::min(kCell, all_means.height - first), begin = cell_y * cells_x_;
   std::fill_n(of_blocks_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
   std::fill_n(of_cells_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
+  constexpr size_t kBlocks = kCell / kBlock;  // of a cell along each axis
   std::vector<int16_t> scratch;
   std::vector<float> sums(cells_x_);
-  std::vector<int> residual(cells_x_ * kCell);  // sums over rows, which are 0 beside the image
-  for (size_t k = 0; k < means_.count; ++k) {
+  std::vector<int32_t> residuals(cells_x_ * kBlocks);  // sums over blocks; those of pixels beside the image are 0
+  for (size_t k = 0; k < all_means.count; ++k) {
     std::ranges::fill(sums, 0.0F);
     for (size_t y = first; y < first + rows; ++y) {
-      const auto counts = cycle[k][y].values(scratch);
-      const int16_t* const means = means_.image(k).data() + y * width;
-      if ((y - first) % kBlock == 0) std::ranges::fill(residual, 0);
-      for (size_t x = 0; x < width; ++x) residual[x] += units_of(counts[x]) - means[x];
+      if ((y - first) % kBlock == 0) std::ranges::fill(residuals, 0);
+      add_residuals(cycle[k][y].values(scratch).data(), all_means.image(k).data() + y * width, width, residuals.data());
       if ((y - first) % kBlock + 1 < kBlock && y + 1 < first + rows) continue;
       for (size_t x = 0; x < cells_x_; ++x) {
-        const int* const columns = residual.data() + x * kCell;
-        const auto left = static_cast<float>(columns[0] + columns[1]),
-                   right = static_cast<float>(columns[2] + columns[3]);
+        const auto left = static_cast<float>(residuals[kBlocks * x]),
+                   right = static_cast<float>(residuals[kBlocks * x + 1]);
         of_blocks_[begin + x] += left * left + right * right;
         sums[x] += left + right;
       }
@@ -193,17 +204,18 @@ void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cel
 
 /// Sets what noise makes of the residuals of a row of cells.
 void CycleFusion::expect_noise(size_t cell_y) {
-  const size_t width = means_.width, first = cell_y * kCell, rows = std::min(kCell, means_.height - first);
+  const capture::EventImages& all_means = means(cell_y);
+  const size_t width = all_means.width, first = cell_y * kCell, rows = std::min(kCell, all_means.height - first);
   for (size_t x = 0; x < cells_x_; ++x) {
     const size_t cell = cell_y * cells_x_ + x, left = x * kCell, columns = std::min(kCell, width - left);
     if (std::has_single_bit(added_[cell]) || (cycle_ + x) % kNoisePeriod == 0) {
       const size_t pixels = rows * columns;
       CountNoise::PixelLevel level;
       noise_of_cycle_[cell] = 0;
-      for (size_t k = 0; k < means_.count; ++k) {
+      for (size_t k = 0; k < all_means.count; ++k) {
         int sum = 0;
         for (size_t y = first; y < first + rows; ++y) {
-          const int16_t* const means = means_.image(k).data() + y * width + left;
+          const int16_t* const means = all_means.image(k).data() + y * width + left;
           for (size_t column = 0; column < columns; ++column) sum += means[column];
         }
         const float count = static_cast<float>(sum) / static_cast<float>(pixels * kUnits);
@@ -216,7 +228,7 @@ void CycleFusion::expect_noise(size_t cell_y) {
 }
 
 void CycleFusion::find_changes() {
-  const size_t transitions = means_.count;
+  const size_t transitions = fused_.counts.count;
   constexpr size_t kBlocks = kCell * kCell / kBlock / kBlock;  // of a cell
   for (const Window& window : kWindows) {
     const auto sum = [&](const std::vector<float>& plane) {
@@ -256,8 +268,8 @@ void CycleFusion::count_cycle(size_t cell) {
 }
 
 void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
-  const size_t width = means_.width, first = cell_y * kCell;
-  std::vector<int> weights(cells_x_ * kCell);
+  const size_t width = fused_.counts.width, first = cell_y * kCell;
+  std::vector<int32_t> weights(cells_x_ * kCell);
   std::vector<float> numbers(cells_x_ * kCell);
   std::vector<uint8_t> is_alone(cells_x_ * kCell);
   for (size_t x = 0; x < cells_x_; ++x) {
@@ -266,24 +278,24 @@ void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell
     const bool is_settled = unsettled_[cell] == 0;
     const auto at = static_cast<ptrdiff_t>(x * kCell);
     std::fill_n(weights.begin() + at, kCell,
-                (1 << kWeightBits) / static_cast<int>(std::min<size_t>(added_[cell], most_cycles_)));
+                (1 << kMeanWeightBits) / static_cast<int>(std::min<size_t>(added_[cell], most_cycles_)));
     std::fill_n(numbers.begin() + at, kCell, is_settled ? effective_[added_[cell]] : 1.0F);
     std::fill_n(is_alone.begin() + at, kCell, is_settled ? 0 : 1);
   }
+  hide_means(cell_y, std::ranges::count(is_alone, uint8_t{1}) > 0);
   std::vector<int16_t> scratch;
   float* const shown_numbers = fused_.cycles.values.data() + first * width;
   const bool has_other_numbers = !std::equal(shown_numbers, shown_numbers + width, numbers.begin());
-  for (size_t y = first; y < std::min(means_.height, first + kCell); ++y) {
+  for (size_t y = first; y < std::min(fused_.counts.height, first + kCell); ++y) {
     if (has_other_numbers) std::copy_n(numbers.begin(), width, shown_numbers + (y - first) * width);
-    for (size_t k = 0; k < means_.count; ++k) {
+    for (size_t k = 0; k < fused_.counts.count; ++k) {
       const auto counts = cycle[k][y].values(scratch);
-      int16_t* const means = means_.image(k).data() + y * width;
+      int16_t* const mean = means(cell_y).image(k).data() + y * width;
+      add_to_means(counts.data(), weights.data(), width, mean);
+      if (are_means_hidden_[cell_y] == 0) continue;
       int16_t* const shown = fused_.counts.image(k).data() + y * width;
       for (size_t x = 0; x < width; ++x) {
-        const int newest = units_of(counts[x]);
-        const int step = (newest - means[x]) * weights[x] + (1 << (kWeightBits - 1));
-        means[x] = static_cast<int16_t>(means[x] + (step >> kWeightBits));
-        shown[x] = is_alone[x] != 0 ? static_cast<int16_t>(newest) : means[x];
+        shown[x] = is_alone[x] != 0 ? static_cast<int16_t>(units_of(counts[x])) : mean[x];
       }
     }
   }

@@ -59,13 +59,18 @@ class CycleFusion {
   void update(const PlanesView<const int16_t>& cycle);
   void update_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
   void count_cycle(size_t cell);
+  void hide_means(size_t cell_y, bool are_hidden);
+  [[nodiscard]] capture::EventImages& means(size_t cell_y);
 
   size_t most_cycles_;
   CountNoise noise_;
   std::vector<float> effective_;  ///< number of cycles, by the number of cycles added
-  capture::EventImages means_;    ///< in capture::kFusedUnits, also where they are not settled
   capture::FusedCycles fused_;
-  size_t cycle_ = 0;  ///< number of cycles since everything started
+  /// Means of the rows of cells of which some are not settled; elsewhere, they are what is shown, which saves memory
+  /// traffic.
+  capture::EventImages hidden_means_;
+  std::vector<uint8_t> are_means_hidden_;  ///< [cell_y]
+  size_t cycle_ = 0;                       ///< number of cycles since everything started
   size_t cells_y_ = 0, cells_x_ = 0;
   // Of each cell, [cell_y, cell_x].
   std::vector<uint16_t> added_;     ///< number of cycles since the last change, up to a limit

@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <random>
 
+#include "e2lf/base/isa.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/lightfield/scene.h"
+#include "e2lf/recon/fusion_kernels.h"
 #include "e2lf/recon/input.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
@@ -146,6 +149,37 @@ TEST(CycleFusion, ShowsTheNewestCycleAloneUntilItsMeanIsSettled) {
   }
   EXPECT_EQ(fusion.fused().cycles.values[0], 1 + kUnsettledCycles);
   EXPECT_NEAR(fusion.fused().counts.values[0], 20.4 * capture::kFusedUnits, 1) << "the mean of 20, 21, 20, 21, 20";
+}
+
+TEST(FusionKernels, ComputeTheSameOnEveryInstructionSet) {
+  std::mt19937 random(5);
+  for (const size_t width : {1, 3, 16, 77}) {
+    std::vector<int16_t> counts(width), means(width);
+    std::vector<int32_t> weights(width);
+    for (size_t x = 0; x < width; ++x) {
+      counts[x] = static_cast<int16_t>(x % 5 == 0 ? random() : random() % 9);  // some beyond the range of units
+      means[x] = static_cast<int16_t>(random());
+      weights[x] = (1 << kMeanWeightBits) / static_cast<int32_t>(1 + random() % kMostFusedCycles);
+    }
+    std::vector<int32_t> expected_sums(width / kBlock + 1, 7);
+    std::vector<int16_t> expected_means(width);
+    for (size_t x = 0; x < width; ++x) {
+      const int residual = units_of(counts[x]) - means[x];
+      expected_sums[x / kBlock] += residual;
+      const double moved = means[x] + residual * (weights[x] / static_cast<double>(1 << kMeanWeightBits));
+      expected_means[x] = static_cast<int16_t>(std::floor(moved + 0.5));
+    }
+    for (const std::string& isa : available_isas()) {
+      ASSERT_TRUE(set_max_isa(isa));
+      std::vector<int32_t> sums(expected_sums.size(), 7);
+      add_residuals(counts.data(), means.data(), width, sums.data());
+      EXPECT_EQ(sums, expected_sums) << isa << ", " << width;
+      std::vector<int16_t> updated = means;
+      add_to_means(counts.data(), weights.data(), width, updated.data());
+      EXPECT_EQ(updated, expected_means) << isa << ", " << width;
+    }
+    ASSERT_TRUE(set_max_isa(""));
+  }
 }
 
 TEST(CycleFusion, StartsAgainWithAnotherSize) {
