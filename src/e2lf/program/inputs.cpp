@@ -24,11 +24,12 @@ namespace {
 template <typename Paths>
 CLI::Option* add_named(CLI::App& app, const std::string& flags, const BundledKind& kind, const char* type, Paths& paths,
                        const std::string& help) {
-  const auto take = [&paths, &kind](const CLI::results_t& names) {
+  const std::string own_name = flags.substr(flags.rfind(',') + 1);
+  const auto take = [&paths, &kind, own_name](const CLI::results_t& names) {
     paths.clear();
     for (const std::string& name : names) {
       auto path = find_file_or_bundled(kind, name);
-      if (!path) throw CLI::FileError(path.error().text());
+      if (!path) throw CLI::FileError(cat(path.error().text(), " (", own_name, ")"));
       if constexpr (std::is_same_v<Paths, fs::path>) {
         paths = *std::move(path);
       } else {
@@ -67,9 +68,10 @@ Result<fs::path> find_camera(const std::string& name) {
 }
 
 Result<capture::SensorProfile> load_camera(const std::string& name, RunRecord& record) {
-  E2LF_ASSIGN_OR_RETURN(const fs::path path, find_camera(name));
-  record.add_input(path);
-  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, capture::read_camera(path));
+  const auto path = find_camera(name);
+  if (!path) return Error(path.error()).about("camera");
+  record.add_input(*path);
+  E2LF_ASSIGN_OR_RETURN(capture::SensorProfile camera, capture::read_camera(*path));
   record.note("camera", capture::to_json(camera));
   return camera;
 }

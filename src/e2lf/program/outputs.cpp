@@ -7,6 +7,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/info/version.h"
@@ -135,15 +136,17 @@ std::string from_folder(const fs::path& folder, const std::string& recorded) {
   return is_file_name ? (folder / recorded).lexically_normal().string() : recorded;  // an absolute path stays
 }
 
-/// Returns whether the value of an option is a path: always for paths, and only if a file has this name for options
-/// that also accept bundled names.
+/// Returns whether the value of an option is a path: always for paths, and unless it names a bundled file for options
+/// that also accept such names. A path stays one when its file is gone, so that no other of this name is taken.
 bool holds_path(const CLI::Option* option, const std::string& value, const fs::path& folder) {
   if (option == nullptr) return false;
   const std::string type = value_type(*option);
   std::error_code error;
-  const bool may_be_name = type == kModelType || type == kCodesType || type == kCameraType;
   if (type == kThingType) return fs::exists(folder / value, error);
-  return type == kPathType || (may_be_name && fs::is_regular_file(folder / value, error));
+  const bool is_camera = type == kCameraType;
+  if (!is_camera && type != kModelType && type != kCodesType) return type == kPathType;
+  return fs::is_regular_file(folder / value, error) ||
+         !bundled_file_named(is_camera ? kBundledCameras : kBundledModels, value);
 }
 
 }  // namespace

@@ -47,5 +47,18 @@ TEST(RecordedPaths, KeepsWhatFollowsTheNameOfAReplayedFile) {
   EXPECT_EQ(run.record["options"]["input"], "replay:" + (folder / "events.raw").string() + "?speed=2");
 }
 
+TEST(RecordedPaths, TakesNoOtherFileForOneThatIsGone) {
+  const TestFolder folder;
+  RecordedRun run(folder.path());
+  std::string camera, patterns;
+  run.app.add_option("--camera", camera)->type_name(kCameraType);
+  run.app.add_option("--codes", patterns)->type_name(kCodesType);
+  run.record["options"]["camera"] = "gone/camera.json";
+  run.record["options"]["codes"] = "e2lf-n4";
+  resolve_recorded_paths(run.record, run.app);
+  EXPECT_EQ(run.record["options"]["camera"], (folder / "gone/camera.json").string());
+  EXPECT_EQ(run.record["options"]["codes"], "e2lf-n4") << "the name of a bundled file";
+}
+
 }  // namespace
 }  // namespace e2lf::program

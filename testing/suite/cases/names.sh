@@ -35,6 +35,16 @@ cmp moved/03_04.png elsewhere/of_folder/03_04.png
 cmp named.npz of_file.npz
 # As documents write it, from any folder.
 (cd elsewhere && "$E2LF" model info models/e2lf-n4.safetensors >/dev/null)
+cp "$model" patterns.safetensors
+cp "$SOURCES/cameras/evk4-lcos.json" camera.json
+"$E2LF" reconstruct named.npz --codes patterns.safetensors -o of_patterns --quiet
+"$E2LF" reconstruct named.npz --camera camera.json -o of_camera --quiet
+mv patterns.safetensors camera.json elsewhere
+in_elsewhere() { (cd elsewhere && "$E2LF" "$@"); }
+fails 1 "(--codes)" in_elsewhere reconstruct --config ../of_patterns -o again_patterns
+grep -qF "$PWD/patterns.safetensors: there is no such" stderr.txt || fail "$(cat stderr.txt)"
+fails 1 "(--camera)" in_elsewhere reconstruct --config ../of_camera -o again_camera
+grep -qF "$PWD/camera.json: there is no such" stderr.txt || fail "$(cat stderr.txt)"
 mv named.npz gone.npz
 fails 1 "named.npz" "$E2LF" reconstruct --config moved/run.json -o again
 
