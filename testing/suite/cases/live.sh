@@ -35,6 +35,8 @@ cmp out/recording_000.raw six.raw || fail "the recording is not the input"
 cmp out/recording_000.raw six.raw || fail "the first recording was replaced"
 exists out/recording_001.raw out/run.json
 check "$(json out/run.json 'j["notes"]["totals"]["cycles"]') == 2"
+"$E2LF" live --config out -o repeated --quiet
+exists repeated/recording_000.raw
 
 # Half the size, and the sum of several cycles.
 "$E2LF" live replay:six.raw -m "$model" --no-page --json --size half --average 3 --last half.npy >half.json

@@ -315,7 +315,7 @@ int run_live(const std::vector<std::string>& arguments) {
   LiveArguments live_arguments;
   live_arguments.cycles.recording.open.camera.running = std::make_shared<recordings::RunningCamera>();
   CLI::App& app = verb.app();
-  app.add_option("source", live_arguments.source,
+  app.add_option("input,-i,--input", live_arguments.source,
                  "camera://NAME, - for standard input, the path of a named pipe, tcp://127.0.0.1:PORT, or replay:FILE "
                  "(a recording at its own speed)")
       ->required();
@@ -349,7 +349,8 @@ int run_live(const std::vector<std::string>& arguments) {
   add_orientation_options(app, live_arguments.orientation);
   verb.stop_gently();
   return verb.run(arguments, [&] {
-    live_arguments.is_fuse_named = fuse->count() > 0;
+    // A run that is repeated from its record also repeats the default.
+    live_arguments.is_fuse_named = fuse->count() > 0 && fuse->results().back() != fuse->get_default_str();
     return go_live(live_arguments, verb);
   });
 }
