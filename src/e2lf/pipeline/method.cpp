@@ -111,6 +111,11 @@ Result<void> check_input(const MethodChoice& choice, const model::Model& model) 
   if (transitions + 1 == model.num_patterns) return {};
   const auto shown = model.codes ? capture::codes_of_whole_cycle(*model.codes) : std::nullopt;
   const bool has_lit_ones = shown && transitions + 1 == shown->num_patterns;
+  if (!has_lit_ones && choice.codes && choice.codes->num_patterns == model.num_patterns) {
+    return fail(ErrorCode::kShape, "", "there are ", transitions, " event images, and the patterns that were given ",
+                "make ", model.num_patterns - 1, "; give those that the camera showed")
+        .about("codes");
+  }
   return fail(ErrorCode::kShape, "", "there are ", has_lit_ones ? "only the " : "", transitions, " event images",
               has_lit_ones ? " of the active patterns" : "", ", and ", model.name, " takes ", model.num_patterns - 1,
               has_lit_ones ? " of all transitions of the cycle; accumulate the recording with all transitions"

@@ -95,6 +95,11 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
   }
 }
 
+TEST(OpenMethod, NamesWhatDoesNotFitTheNumberOfEventImages) {
+  EXPECT_EQ(open_method({.codes = bundled("e2lf-n8").codes, .transitions = 3}).error().option, "codes");
+  EXPECT_EQ(open_method({.model = bundled("e2lf-n8"), .transitions = 3}).error().option, "model");
+}
+
 TEST(OpenMethod, DoesNotKnowWhetherThePatternsAreThoseOfViewsThatStateNone) {
   const auto opened = open_method({.model = bundled("e2lf-n4-capture-geometry"), .codes = bundled("e2lf-n4").codes});
   ASSERT_TRUE(opened) << opened.error().text();
