@@ -142,7 +142,7 @@ Result<void> CycleInput::fuse(const capture::SensorProfile& camera, size_t most_
   }
   if (options_.cycles_per_field > 1) {
     return fail(ErrorCode::kInvalidValue, options_.input,
-                "the cycles of a light field are summed already; omit the number of cycles per light field")
+                "the cycles of a light field are summed already; omit this option")
         .about("fuse");
   }
   fusion_.emplace(camera, most_cycles);

@@ -55,6 +55,9 @@ TEST(CycleInput, ErrorsNameTheOption) {
   };
   EXPECT_EQ(option(file_of({1, 2, 3}), {.cycles_per_field = 3, .max_cycles = 2}), "max_cycles");
   EXPECT_EQ(option(file_of({1}), {.cycles_per_field = 2}), "cycles_per_field");
+  const auto fused = CycleInput::open(file_of({1, 2}), {.cycles_per_field = 2}).value().fuse({}, 2);
+  EXPECT_EQ(fused.error().option, "fuse");
+  EXPECT_NE(fused.error().message.find("omit this option"), std::string::npos);
   capture::MeasurementFile images = file_of({1, 1});
   for (auto& cycle : images.cycles) cycle.kind = capture::MeasurementKind::kCodedImages;
   EXPECT_EQ(option(images, {.cycles_per_field = 2}), "cycles_per_field");
