@@ -81,6 +81,8 @@ cmp two/cycle_00001/disparity.npy from_events/disparity.npy
 # The view of the turned map is that of the upright light field.
 "$E2LF" depth events.npz -m depth.safetensors -o turned --turn-views --quiet
 [ "$(json turned/run.json "j['notes']['maps'][0]['view']")" = "[3, 3]" ] || fail "the view of turned views"
+fails 1 '-: this is a zip archive' "$E2LF" depth - -m depth.safetensors -o x.npy < <(cat events.npz)
+grep -q 'give event images as a file' stderr.txt || fail "$(cat stderr.txt)"
 fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-x
 fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x

@@ -369,8 +369,7 @@ Result<std::unique_ptr<LiveSource>> open_live_bytes(const std::string& name, con
                 "this is not a live input; give a camera (camera://NAME), tcp://ADDRESS:PORT, replay:FILE, a named "
                 "pipe or -");
   }
-  if (name == "-") return open_live_bytes("camera://pipe", setup);
-  const CameraName parsed = is_camera_name(name) ? parse_name(name) : CameraName{"pipe", name};
+  const CameraName parsed = is_camera_name(name) ? parse_name(name) : CameraName{"pipe", name == "-" ? "" : name};
   E2LF_ASSIGN_OR_RETURN(const CameraPlugin plugin, find_camera_plugin(parsed.plugin, name));
   E2LF_ASSIGN_OR_RETURN(CameraPtr camera, plugin.open(parsed.address));
   return start_camera_source(std::move(camera), name, setup);

@@ -55,7 +55,8 @@ struct Beginning {
 };
 
 constexpr Beginning kBeginnings[] = {
-    {"PK\x03\x04"sv, 0, "a zip archive; unpack it, then give the recording in it"},
+    {"PK\x03\x04"sv, 0,
+     "a zip archive; unpack it, then give the recording in it; give event images as a file and not through a pipe"},
     {"\x1F\x8B"sv, 0, "compressed by gzip; unpack it with `gunzip`, then give the recording in it"},
     {"\x28\xB5\x2F\xFD"sv, 0, "compressed by Zstandard; unpack it with `zstd -d`, then give the recording in it"},
     {"BZh"sv, 0, "compressed by bzip2; unpack it with `bzip2 -d`, then give the recording in it"},
