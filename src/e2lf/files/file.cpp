@@ -218,7 +218,12 @@ Result<void> clear_dead(const fs::path& target) {
     const Descriptor lock = open_lock(workspace, 0);
     if (!lock.is_open()) continue;  // a folder of that name that is not a workspace
     if (!lock.locks(LOCK_EX | LOCK_NB)) {
-      return fail(ErrorCode::kExists, target, "another run is writing this output (in ", workspace.filename().string(),
+      const std::string name = workspace.filename().string();
+      // This run itself holds the lock.
+      if (without_workspaces(name) != name) {
+        return fail(ErrorCode::kInvalidValue, target, "two outputs have this name; give each its own");
+      }
+      return fail(ErrorCode::kExists, target, "another run is writing this output (in ", name,
                   "); wait for it or choose another output");
     }
     if (fs::exists(workspace / kLive, error)) {

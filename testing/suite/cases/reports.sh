@@ -63,5 +63,7 @@ page rig.html "decode and accumulate"
 fails 1 "(--overwrite)" "$E2LF" eval demo/scene demo/recon --report eval.html
 fails 2 "tables" "$E2LF" eval demo/scene demo/recon --report eval.pdf
 cp rec.raw rec.csv
+fails 1 "two outputs" "$E2LF" accumulate rec.raw -o twice.npz --report twice.svg --report twice.svg
+absent twice.npz twice.svg
 fails 1 "rec.csv" "$E2LF" info rec.csv --report rec.csv --overwrite
 absent eval.pdf
