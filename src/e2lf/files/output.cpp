@@ -129,7 +129,8 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
   if (is_stdout || e2lf::is_stream(named)) {
     if (!rules.streams) {
       return fail(ErrorCode::kUnsupported, named,
-                  "this output is written as a file, not to a pipe or a device; give a file");
+                  "this output is written as a file, not to a pipe or a device; give a file",
+                  rules.ending.empty() ? "" : cat(" whose name ends in ", rules.ending));
     }
     // A pipe that the same program reads and writes never ends.
     std::error_code error;

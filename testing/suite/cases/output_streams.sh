@@ -18,8 +18,10 @@ for format in npy hdf5; do
   [ ! -s stdout.txt ] || fail "$format wrote something"
 done
 absent ./-
-fails 1 ".npz" "$E2LF" accumulate rec.raw -o /dev/null
+fails 1 "a file whose name ends in .npz" "$E2LF" accumulate rec.raw -o /dev/null
+fails 1 "ends in .npz" "$E2LF" accumulate rec.raw -o -
 fails 1 "e.g. .raw or .hdf5" "$E2LF" simulate demo/scene -o - </dev/null
+if grep -q "give the format" stderr.txt; then fail "simulate has no such option: $(cat stderr.txt)"; fi
 absent ./-
 
 mkfifo pipe.raw

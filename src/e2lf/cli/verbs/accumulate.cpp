@@ -207,14 +207,10 @@ Result<void> write_cycles(const AccumulateArguments& arguments, const capture::R
 
 Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
-  if (arguments.output.extension() != ".npz") {
-    return fail(ErrorCode::kUnsupported, arguments.output, "event images are written as .npz; use this extension");
-  }
   E2LF_ASSIGN_OR_RETURN(const FileKind kind, file_kind(arguments.input));
   if (kind != FileKind::kRecording) return other_kind_error(arguments.input, kind, "a recording");
-  const OutputRules rules = output_rules(verb);
-  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, rules));
-  E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(arguments.output, rules));
+  E2LF_ASSIGN_OR_RETURN(ReportOutput reports, ReportOutput::open(arguments.reports, output_rules(verb)));
+  E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb, ".npz"));
   RunRecord record(verb);
   ReadCycles read;
   SceneCheck scene;

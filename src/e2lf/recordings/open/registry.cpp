@@ -192,10 +192,12 @@ Result<const Codec*> find_codec(const std::string& name) {
 Result<const Codec*> codec_to_write(const fs::path& path, const std::string& format) {
   if (!format.empty()) return find_codec(format);
   if (const Codec* codec = codec_of_extension(path)) return codec;
-  return Error{ErrorCode::kInvalidValue,
-               cat("no format has this extension; use another, e.g. .raw or .hdf5, or give the format, one of ",
-                   join(codec_names(/*to_write=*/true))),
-               path.string(), "format"};
+  return Error{
+      ErrorCode::kInvalidValue,
+      cat("no format has this extension; give a name that ends in one, e.g. .raw or .hdf5",
+          // Not all verbs have the option.
+          option_hint("format").empty() ? "" : ", or give the format, one of " + join(codec_names(/*to_write=*/true))),
+      path.string(), "format"};
 }
 
 bool is_recording_folder(const fs::path& path) {
