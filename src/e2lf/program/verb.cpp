@@ -430,6 +430,11 @@ std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
+std::string shell_word(const fs::path& path) {
+  const std::string name = path.string();
+  return shell_word(name.size() > 1 && name[0] == '-' ? "./" + name : name);
+}
+
 void print_next_step(const std::string& command, const CommonOptions& common) {
   if (common.json || common.quiet) return;
   std::printf("next: %s\n", command.c_str());

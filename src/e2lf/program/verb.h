@@ -130,8 +130,9 @@ int run_subverb(const std::string& prefix, const std::vector<VerbEntry>& entries
 void print_result(const CommonOptions& common, const Json& json, const std::string& text, std::FILE* to = stdout);
 
 /// Returns a word as a shell requires it: quoted if it contains more than letters, digits and the common characters of
-/// paths.
+/// paths. A path that begins with - is written so that it is not taken for an option.
 [[nodiscard]] std::string shell_word(const std::string& word);
+[[nodiscard]] std::string shell_word(const std::filesystem::path& path);
 
 /// Prints a command that uses the result, "next: e2lf view out", as the last line of a run. Prints nothing with --quiet
 /// or --json.

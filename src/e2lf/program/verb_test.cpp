@@ -75,6 +75,13 @@ TEST(Verb, PrefersTheCommandLineToTheConfiguration) {
   EXPECT_EQ(set.tau, 0.6);
 }
 
+TEST(ShellWord, WritesAPathThatIsNoOption) {
+  EXPECT_EQ(shell_word(std::filesystem::path("-out")), "./-out");
+  EXPECT_EQ(shell_word(std::filesystem::path("-an out")), "'./-an out'");
+  EXPECT_EQ(shell_word(std::filesystem::path("-")), "-");
+  EXPECT_EQ(shell_word(std::string("-m")), "-m");
+}
+
 TEST(Verb, ReturnsTheExitCodeOfTheOutcome) {
   EXPECT_EQ(TestVerb().run({}), 0);
   EXPECT_EQ(TestVerb().run({}, Error{ErrorCode::kIo, "the disk is full; free some space", "a"}), 1);

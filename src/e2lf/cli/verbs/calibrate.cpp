@@ -78,9 +78,9 @@ void match_transitions(const std::string& wanted, capture::Codes& codes, std::ve
 }
 
 std::string next_step(const CalibrateArguments& arguments) {
-  std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front().string()));
+  std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front()));
   const auto add = [&](const char* option, const fs::path& path) {
-    if (!path.empty()) command += cat(" ", option, " ", shell_word(path.string()));
+    if (!path.empty()) command += cat(" ", option, " ", shell_word(path));
   };
   add("-m", arguments.codes.model);
   add("--codes", arguments.codes.codes);

@@ -90,7 +90,7 @@ Result<void> reconstruct(const ReconstructArguments& arguments, const Verb& verb
   printed.update({{"output", arguments.output.string()}, {"cycles", cycles}});
   print_result(verb.common(), printed,
                result_text(arguments, run.input().has_one_field(), report.results, report.tone, of_first));
-  print_next_step(cat("e2lf view ", shell_word(arguments.output.string())), verb.common());
+  print_next_step(cat("e2lf view ", shell_word(arguments.output)), verb.common());
   return {};
 }
 

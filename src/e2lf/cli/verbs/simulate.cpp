@@ -288,25 +288,24 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
 std::string network_flags(const SimulateArguments& arguments, const Setup& setup) {
   const fs::path& model = arguments.codes.model;
   if (!model.empty() && model == bundled_model()) return "";
-  if (!model.empty()) return " -m " + shell_word(shown_name(kBundledModels, model));
+  if (!model.empty()) return " -m " + shell_word(fs::path(shown_name(kBundledModels, model)));
   if (setup.has_images()) return " -m MODEL";
   const fs::path& codes = arguments.codes.codes;
   return codes.empty() || shown_name(kBundledModels, codes) != codes ? "" : " --method inversion";
 }
 
 std::string next_step(const SimulateArguments& arguments, const Setup& setup) {
-  const std::string events = shell_word(arguments.output.string());
+  const std::string events = shell_word(arguments.output);
   fs::path result = arguments.output;
   if (!setup.as_images) {
     const fs::path& schedule = arguments.stream.schedule;
     return cat(
-        "e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz").string()),
-        schedule.empty() ? "" : cat(" --schedule ", shell_word(schedule.string())),
+        "e2lf accumulate ", events, " -o ", shell_word(result.replace_extension(".npz")),
+        schedule.empty() ? "" : cat(" --schedule ", shell_word(schedule)),
         arguments.no_triggers ? cat(" --source schedule --origin-us ", cycles::SynthesisOptions().begin_us) : "");
   }
-  result.replace_extension();
-  return cat("e2lf reconstruct ", events, network_flags(arguments, setup), " -o ",
-             shell_word(result.string() + "-lightfield"));
+  result.replace_extension() += "-lightfield";
+  return cat("e2lf reconstruct ", events, network_flags(arguments, setup), " -o ", shell_word(result));
 }
 
 Result<void> simulate(const SimulateArguments& arguments, const Verb& verb) {
