@@ -251,6 +251,10 @@ Result<Json> Verb::read_config() {
   if (fs::is_directory(config_, error)) config_ = (fs::path(config_) / "run.json").string();
   if (const fs::path record = record_path_beside(config_); fs::exists(record, error)) config_ = record.string();
   E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
+  if (config.is_object() && config.contains("written_by") && !config.contains("verb")) {
+    return fail(ErrorCode::kInvalidValue, config_,
+                "this is the record of a part of a run, such as one cycle; give the folder above it");
+  }
   if (!config.is_object() || !config.contains("verb") || !config.contains("options")) return config;
   if (config["verb"] != name_) {
     return fail(ErrorCode::kInvalidValue, config_, "this is the record of a run of another verb (",

@@ -75,6 +75,14 @@ TEST(Verb, PrefersTheCommandLineToTheConfiguration) {
   EXPECT_EQ(set.tau, 0.6);
 }
 
+TEST(Verb, NamesTheRunForTheRecordOfACycle) {
+  const TestFolder folder;
+  std::ofstream(folder / "run.json") << R"({"cycle": {"number": 2}, "notes": {}, "written_by": "e2lf"})";
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(TestVerb().run({"--config", folder.path().string()}), 2);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("give the folder above it"));
+}
+
 TEST(ShellWord, WritesAPathThatIsNoOption) {
   EXPECT_EQ(shell_word(std::filesystem::path("-out")), "./-out");
   EXPECT_EQ(shell_word(std::filesystem::path("-an out")), "'./-an out'");
