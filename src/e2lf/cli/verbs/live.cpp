@@ -332,7 +332,8 @@ int run_live(const std::vector<std::string>& arguments) {
       "off, as with --average or networks that are not conditioned on the sensor profile");
   add_model_option(
       app, "--fine", live_arguments.fine_model,
-      "network that reconstructs a frozen cycle in several passes; default: that of -m, or the best bundled one");
+      "network that reconstructs a frozen cycle in several passes; default: that of -m, or the best bundled one")
+      ->group(kNetworkOptions);
   add_model_option(app, "--depth-model", live_arguments.depth_model,
                    "network that estimates disparities from the events; default: the bundled one for the patterns");
   app.add_option("-o,--output", live_arguments.output, "folder for recordings; without it, recording is not possible");
