@@ -131,7 +131,8 @@ class Team {
          now = state_.load(std::memory_order_acquire)) {
       wait_for_change(state_, now);
     }
-    if (failure_) std::rethrow_exception(failure_);
+    // An exception may belong to an interpreter, which ends before this thread and its team.
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
   }
 
  private:

@@ -68,5 +68,12 @@ TEST_F(Threads, ParallelForRethrowsAnExceptionOfTheBody) {
   }
 }
 
+TEST_F(Threads, AnExceptionOfTheBodyDoesNotOutliveItsHandler) {
+  set_num_threads(2);
+  const auto content = std::make_shared<int>(42);
+  EXPECT_THROW(parallel_for(100, 1, [&](size_t, size_t) { throw content; }), std::shared_ptr<int>);
+  EXPECT_EQ(content.use_count(), 1);
+}
+
 }  // namespace
 }  // namespace e2lf
