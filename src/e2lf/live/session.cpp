@@ -309,18 +309,16 @@ bool Session::complete() {
   return made.value_or(false);
 }
 
-std::optional<LiveField> Session::freeze() {
-  std::optional<LiveField> frozen;
+Result<LiveField> Session::freeze() {
+  LiveField frozen;
   {
     const std::lock_guard lock(field_mutex_);
-    if (shown_.serial == 0) return frozen;
+    if (shown_.serial == 0)
+      return fail(ErrorCode::kNotFound, "", "there is no light field yet; wait for the first one");
     frozen = shown_.without_views();
   }
-  if (const Result<void> made = networks_.make(frozen->cycle, true, *frozen); !made) {
-    tuning_.fail(made.error());
-    return std::nullopt;
-  }
-  recon::apply_tone(frozen->light_field, frozen->black, frozen->gain);
+  E2LF_RETURN_IF_ERROR(networks_.make(frozen.cycle, true, frozen));
+  recon::apply_tone(frozen.light_field, frozen.black, frozen.gain);
   return frozen;
 }
 

@@ -125,7 +125,7 @@ class Session {
 
   /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing
   /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
-  [[nodiscard]] std::optional<LiveField> freeze();
+  [[nodiscard]] Result<LiveField> freeze();
 
   /// Returns the number of cycles that were fused for the newest light field, [y, x] in a quarter of the size, or
   /// nothing if none were.

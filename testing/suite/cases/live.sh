@@ -7,6 +7,10 @@ model=$SOURCES/models/e2lf-n4.safetensors
 "$E2LF" simulate demo/scene -m "$model" --cycles 6 --seed 2 -o six.raw --quiet
 "$E2LF" reconstruct six.raw -m "$model" --format npy -o six --quiet
 
+# --last is also written if the duration or a signal ends the session.
+"$E2LF" live 'replay:six.raw?repeat=50' -m "$model" --no-page --seconds 1.5 --last ended.npy --quiet
+[ -s ended.npy ] || fail "the last light field is missing after --seconds"
+
 # Each cycle becomes a light field or is counted as skipped; the last one is that of `e2lf reconstruct` to the bit.
 "$E2LF" live replay:six.raw -m "$model" --no-page --json --size full --record -o out --last last.npy >lines.json
 cat >totals.py <<'PY'

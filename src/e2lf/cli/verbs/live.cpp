@@ -213,8 +213,12 @@ void print_totals(const Json& totals, const CommonOptions& common) {
 }
 
 Result<void> write_last(live::Session& session, OutputFile& output, const RunRecord& record) {
+  // What ended the session, such as its duration, would also end the network.
+  const int ended_by = stop_signal();
+  request_stop(0);
   const auto last = session.freeze();
-  if (!last) return {};
+  request_stop(ended_by);
+  if (!last) return last.error();
   E2LF_RETURN_IF_ERROR(
       lightfield::write_light_field(output.path(), last->light_field, {.format = lightfield::LightFieldFormat::kNpy}));
   E2LF_RETURN_IF_ERROR(record.write(output.record_path()));

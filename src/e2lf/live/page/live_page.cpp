@@ -101,7 +101,7 @@ class ServedLivePage {
 
   view::Response freeze() {
     auto now = session_.freeze();
-    if (!now) return refusal("there is no light field yet");
+    if (!now) return refusal(now.error().message);
     if (const auto fits = view::check_browser_memory(now->light_field.shape(), "frozen"); !fits) {
       return refusal(fits.error().message);
     }
