@@ -20,6 +20,12 @@ Result<void> check(const CycleInputOptions& options) {
       .about("max_cycles");
 }
 
+Error too_few_error(size_t cycles, const CycleInputOptions& options) {
+  return fail(ErrorCode::kInvalidValue, options.input, "there are ", cycles, " cycles, fewer than the ",
+              options.cycles_per_field, " of one sum; reduce their number")
+      .about("cycles_per_field");
+}
+
 Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions& options) {
   const capture::MeasurementKind measured = file.cycles.front().kind;
   const auto useless = [&](const std::string& why, const char* option) {
@@ -30,16 +36,15 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
         cat("only event images can be summed; this is the measurement ", capture::measurement_name(measured)),
         "cycles_per_field");
   }
-  if (file.cycles.size() < options.cycles_per_field) {
-    return fail(ErrorCode::kInvalidValue, options.input, "there are ", file.cycles.size(), " cycles, fewer than the ",
-                options.cycles_per_field,
-                " from which one light field is reconstructed; reduce the number of cycles per light field")
-        .about("cycles_per_field");
-  }
+  if (file.cycles.size() < options.cycles_per_field) return too_few_error(file.cycles.size(), options);
   if (options.cycles.invert_polarity && !capture::has_events(measured)) {
     return useless("this measurement has no events", "invert_polarity");
   }
   return {};
+}
+
+bool is_empty(const capture::Measurement& cycle) {
+  return capture::has_events(cycle.kind) && capture::is_without_events(cycle.events);
 }
 
 double behind_s(const cycles::Cycle& cycle) {
@@ -92,6 +97,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   if (!reader_) {
     if (taken_ == file_.cycles.size()) return std::optional<CycleImages>();
     next.images = std::move(file_.cycles[taken_++]);
+    next.without_events = is_empty(next.images) ? 1 : 0;
     return std::optional(std::move(next));
   }
   if (options_.max_cycles != 0 && taken_ == options_.max_cycles) return std::optional<CycleImages>();
@@ -103,6 +109,7 @@ Result<std::optional<CycleImages>> CycleInput::next_cycle() {
   next.ready = next.cycle->arrival.value_or(CycleClock::now());
   next.behind_s = behind_s(*next.cycle);
   next.images = std::move(next.cycle->images);
+  next.without_events = is_empty(next.images) ? 1 : 0;
   return std::optional(std::move(next));
 }
 
@@ -118,12 +125,15 @@ Result<std::optional<CycleImages>> CycleInput::next() {
   for (size_t cycle = 1; sum && cycle < options_.cycles_per_field; ++cycle) {
     E2LF_ASSIGN_OR_RETURN(std::optional<CycleImages> more, next_cycle());
     if (!more) {
+      if (taken_ == cycle) return too_few_error(cycle, options_);
       left_over_ = cycle;
       return std::optional<CycleImages>();
     }
     const uint64_t saturated = add_counts(more->images.events, sum->images.events);
     saturated_ += saturated;
     if (saturated > 0 && options_.is_strict) return recordings::saturation_error(saturated, "cycles");
+    if (more->cycle) more->cycle->confidence = std::min(more->cycle->confidence, sum->cycle->confidence);
+    more->without_events += sum->without_events;
     more->images = std::move(sum->images);
     sum = std::move(more);
   }
@@ -150,9 +160,7 @@ Result<void> CycleInput::fuse(const capture::SensorProfile& camera, size_t most_
 }
 
 bool CycleInput::is_without_events() const {
-  const auto is_empty = [](const capture::Measurement& cycle) { return capture::is_without_events(cycle.events); };
-  return !reader_ && capture::has_events(measurement()) &&
-         std::all_of(file_.cycles.begin(), file_.cycles.end(), is_empty);
+  return !reader_ && std::ranges::all_of(file_.cycles, is_empty);
 }
 
 namespace {

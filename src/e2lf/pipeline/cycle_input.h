@@ -20,8 +20,10 @@ using CycleClock = std::chrono::steady_clock;
 
 /// The measurement for one light field.
 struct CycleImages {
-  capture::Measurement images;         ///< images of one cycle, or event images summed over several
-  std::optional<cycles::Cycle> cycle;  ///< the last cycle, without its images; only for recordings
+  capture::Measurement images;  ///< images of one cycle, or event images summed over several
+  /// The last cycle, without its images, with the least confidence of all of them; only for recordings.
+  std::optional<cycles::Cycle> cycle;
+  size_t without_events = 0;                                ///< number of cycles without events
   cycles::CycleSource source = cycles::CycleSource::kAuto;  ///< what determines the times of its patterns
   CycleClock::time_point ready = CycleClock::now();  ///< when the images, or the last bytes of live input, arrived
   double behind_s = 0;  ///< from the end of the last pattern until the last bytes arrived; 0 unless live

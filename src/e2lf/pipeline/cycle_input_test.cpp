@@ -35,6 +35,12 @@ TEST(CycleInput, SumsTheCyclesOfALightFieldAndLeavesFewerOut) {
   EXPECT_TRUE(CycleInput::open(file_of({1, 2, 3}), {.cycles_per_field = 2})->has_one_field());
 }
 
+TEST(CycleInput, CountsTheCyclesWithoutEventsOfASum) {
+  CycleInput input = CycleInput::open(file_of({1, 0, 2, 3, 4, 5}), {.cycles_per_field = 3}).value();
+  EXPECT_EQ(input.next().value()->without_events, 1U);
+  EXPECT_EQ(input.next().value()->without_events, 0U);
+}
+
 TEST(CycleInput, CountsWhatSumsHaveNoRoomFor) {
   CycleInput input = CycleInput::open(file_of({INT16_MAX, 2}), {.cycles_per_field = 2}).value();
   EXPECT_EQ(input.next().value()->images.events.values[0], INT16_MAX);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/event_run.h"
 
+#include <algorithm>
 #include <numeric>
 
+#include "e2lf/base/text.h"
 #include "e2lf/diagnose/event_images.h"
 #include "e2lf/diagnose/event_order.h"
 
@@ -79,6 +81,8 @@ Result<std::optional<EventResult>> EventRun::next(const ProgressFn& progress) {
   result.is_confirmed =
       method_.is_confirmed && !(of_recording && diagnose::is_doubtful(of_recording->confidence, result.cycle.source));
   if (capture::has_events(result.cycle.images.kind)) result.findings = judge_events(result);
+  const auto is_error = [](const diagnose::Finding& each) { return each.severity == diagnose::Severity::kError; };
+  if (std::ranges::any_of(result.findings, is_error)) result.is_confirmed = false;
   E2LF_RETURN_IF_ERROR(naming(options_.events.input, make(result, progress)));
   keep(result);
   return std::optional(std::move(result));
@@ -99,6 +103,13 @@ diagnose::Findings EventRun::judge_events(const EventResult& result) const {
   const capture::EventImages& events = result.cycle.images.events;
   const size_t cycles = method_.use.cycles;
   diagnose::Findings findings = diagnose::check_event_images(events, cycles);
+  if (const size_t empty = result.cycle.without_events; cycles > 1 && empty > 0 && findings.empty()) {
+    findings.push_back({"events-absent",
+                        diagnose::Severity::kError,
+                        cat(empty, " of the ", cycles, " cycles of the sum have no events, so that it is too dark"),
+                        "leave these cycles out",
+                        {{"cycles", empty}}});
+  }
   // Wrong times explain every other sign and order, and so do wrong signs and orders other places of the patterns.
   if (made_ > 0 || !result.is_confirmed || diagnose::has_doubt(findings)) return findings;
   auto other = diagnose::check_order(events, cycles, method_.known_setup());

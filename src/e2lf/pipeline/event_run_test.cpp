@@ -87,6 +87,19 @@ TEST(EventRun, ReportsTheCyclesThatAreTooFewForAnotherSum) {
   EXPECT_EQ(run.report().left_out.left_over_cycles, 2U);
 }
 
+TEST(EventRun, DoesNotConfirmASumOfWhichACycleHasNoEvents) {
+  EventRunOptions options = light_fields({.cycles = 3});
+  options.method.model = read_network(bundled_file_named(kBundledModels, "e2lf-n4-camera").value()).value();
+  capture::MeasurementFile file = file_of(3);
+  EventRun whole = EventRun::open(file, options).value();
+  EXPECT_TRUE(whole.next().value()->is_confirmed);
+  std::ranges::fill(file.cycles[1].events.values, int16_t{0});
+  EventRun run = EventRun::open(file, options).value();
+  const auto result = run.next().value();
+  EXPECT_FALSE(result->is_confirmed);
+  EXPECT_TRUE(diagnose::contains(result->findings, "events-absent"));
+}
+
 TEST(EventRun, CollectsWhatMayBeWrong) {
   capture::MeasurementFile file = file_of(1);
   file.setup.findings =

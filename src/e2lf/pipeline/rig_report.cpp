@@ -91,6 +91,7 @@ Result<std::optional<BetterChange>> better_change(const FieldCheck& check, const
       in_window(check.camera(), static_cast<double>(side) / static_cast<double>(events.width));
   const capture::EventImages given = middle_of(events, side, side);
   E2LF_ASSIGN_OR_RETURN(const double unchanged, error_of(check.method(), own, given));
+  if (unchanged == 0) return std::optional<BetterChange>();  // nothing explains the events better
   const std::vector<Change> changes = changes_of(events.count);
   const Change* best = nullptr;
   double least = 0;
