@@ -90,7 +90,8 @@ inline constexpr char kRunOptions[] = "run: configuration file, number of thread
                       kDisplayOptions[] = "display: size and orientation of the patterns on the display";
 
 /// The options that apply to recordings alone, and not to event images.
-inline const std::vector<std::string> kOptionsOfRecordings = {kCycleOptions, kRecordingOptions, kTableOptions};
+inline const std::vector<std::string> kOptionsOfRecordings = {kCycleOptions, kRecordingOptions, kTableOptions,
+                                                              kCameraOptions};
 
 /// While it exists, new options of `app` are in this group.
 class OptionGroup {
