@@ -340,7 +340,7 @@ std::string duplicates_text(const recordings::DuplicateCounter& counter) {
   if (counter.duplicates() == 0) return "";
   return cat(
       formatted("%.3g", 100 * counter.share()),
-      " % of the events are exact duplicates of others, and count twice; a packet or a file was written twice\n");
+      " % of the events are exact duplicates of others, and count twice\n");
 }
 
 }  // namespace

@@ -283,15 +283,13 @@ Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, b
   return useless("--residue", "event by event, references follow from earlier events");
 }
 
-/// Returns the flags with which these events can be reconstructed. Networks for the patterns of bundled models are
-/// found automatically; for other patterns, the closed form is suggested.
+/// Returns the flags with which these events can be reconstructed. Networks for their patterns are found automatically.
 std::string network_flags(const SimulateArguments& arguments, const Setup& setup) {
   const fs::path& model = arguments.codes.model;
   if (!model.empty() && model == bundled_model()) return "";
   if (!model.empty()) return " -m " + shell_word(fs::path(shown_name(kBundledModels, model)));
   if (setup.has_images()) return " -m MODEL";
-  const fs::path& codes = arguments.codes.codes;
-  return codes.empty() || shown_name(kBundledModels, codes) != codes ? "" : " --method inversion";
+  return capture::is_black_first(setup.known.codes) ? "" : " --method inversion";  // networks for any patterns need it
 }
 
 std::string next_step(const SimulateArguments& arguments, const Setup& setup) {
