@@ -23,6 +23,11 @@ using video::VideoModel;
 
 // What the two kinds of models have in common.
 Json header_of(const Model& model) {
+  if (model.open_guide) {  // the header and the weights of its views alone would be another network
+    take(Result<void>(fail(ErrorCode::kInvalidValue, "", model.name,
+                           " is adapted to the patterns that the camera showed; give them to Model()")
+                          .about("codes")));
+  }
   return model::header_to_json(model);
 }
 Json header_of(const VideoModel& model) {
@@ -102,6 +107,10 @@ std::shared_ptr<Model> read_model(const fs::path& name, const std::optional<py::
   return std::make_shared<Model>(without_gil([&]() -> Result<Model> {
     E2LF_ASSIGN_OR_RETURN(const auto path, find_file_or_bundled(kBundledModels, name.string()));
     E2LF_ASSIGN_OR_RETURN(Model model, model::read_model(path));
+    if (patterns && *patterns == model.codes && !model.open_guide) {
+      model.is_adapted = true;  // as pipeline::open_method() uses its own patterns
+      return model;
+    }
     if (patterns) return geometry::for_patterns(model, *patterns);
     return geometry::for_own_patterns(std::move(model));
   }));

@@ -6,6 +6,8 @@
 #include <pybind11/stl/filesystem.h>
 #include <variant>
 
+#include "e2lf/base/log.h"
+#include "e2lf/base/text.h"
 #include "e2lf/model/model.h"
 #include "e2lf/pipeline/event_depth.h"
 #include "e2lf/pipeline/method.h"
@@ -34,7 +36,7 @@ pipeline::Tone tone_of(const GainArgument& gain) {
     return {.black = std::nullopt};
   }
   const double number = std::get<double>(gain);
-  if (!(number > 0)) throw py::value_error("a gain is \"auto\" or above 0");
+  if (!(number > 0) || std::isinf(number)) throw py::value_error("a gain is \"auto\" or a number above 0");
   return {.gain = static_cast<float>(number)};
 }
 
@@ -159,6 +161,11 @@ class Network {
     choice.measurement = choice.model->measurement();
     if (model::is_depth_network(*choice.model)) choice.algorithm = pipeline::Algorithm::kDepth;
     if (camera != nullptr) choice.camera = *camera;
+    if (model::is_for_any_patterns(*choice.model) && !choice.model->is_adapted && choice.model->codes) {
+      log_warning(cat(choice.model->name,
+                      ": it is assumed that the camera showed the patterns of this file; state its "
+                      "patterns as the codes of Model()"));
+    }
     method_ = without_gil([&] { return pipeline::open_method(std::move(choice)); });
   }
 
@@ -218,13 +225,14 @@ class Network {
 };
 
 py::array invert(const py::array& images, const py::array& codes,
-                 const std::optional<capture::SensorConstants>& constants, const GainArgument& gain,
-                 E2LF_ORIENTATION_PARAMETERS) {
+                 const std::optional<capture::SensorConstants>& constants, const capture::SensorProfile* camera,
+                 const GainArgument& gain, E2LF_ORIENTATION_PARAMETERS) {
   const pipeline::Tone tone = tone_of(gain);
   const auto counts = event_images_of(images, "images");
   const auto method = take(pipeline::open_method({.algorithm = pipeline::Algorithm::kInversion,
                                                   .codes = codes_of(codes, "codes"),
-                                                  .constants = constants.value_or(capture::SensorConstants())}));
+                                                  .camera = camera != nullptr ? std::optional(*camera) : std::nullopt,
+                                                  .constants = constants}));
   return to_array(without_gil([&] { return reconstruct_once(method, {}, tone, *counts, E2LF_ORIENTATION_VALUE, {}); }));
 }
 
@@ -299,13 +307,16 @@ void bind_recon(py::module_& module) {
       .def_property_readonly("precision", &Network::precision, "The precision that \"auto\" selected.")
       .def_property_readonly("kernels", &Network::kernels, "The kernel of each layer.")
       .def("__repr__", [](const Network& self) { return "<e2lf.Reconstructor in " + self.precision() + ">"; });
-  module.def("invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
-             py::arg("gain") = "auto", E2LF_ORIENTATION_ARGUMENTS,
-             "Reconstructs a light field without a trained network: float32 [view_y, view_x, y, x].\n\n"
-             "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
-             "constants: SensorConstants of the camera; None = the paper's.\n"
-             "gain: \"auto\" or a number.\n"
-             "turn_views, flip_x, flip_y: as for Reconstructor.reconstruct().");
+  module.def(
+      "invert", &invert, py::arg("images"), py::arg("codes"), py::kw_only(), py::arg("constants") = py::none(),
+      py::arg("camera") = nullptr, py::arg("gain") = "auto", E2LF_ORIENTATION_ARGUMENTS,
+      "Reconstructs a light field without a trained network: float32 [view_y, view_x, y, x].\n\n"
+      "images: int16 [transition, y, x]. codes: the patterns, [N, view_y, view_x].\n"
+      "constants: SensorConstants of the camera; None = the paper's.\n"
+      "camera: the Camera that recorded the events; with physical pixels, the gain \"auto\" makes the darkest parts "
+      "black.\n"
+      "gain: \"auto\" or a number.\n"
+      "turn_views, flip_x, flip_y: as for Reconstructor.reconstruct().");
   module.def(
       "auto_gain",
       [](const py::array& light_field) {

@@ -43,7 +43,7 @@ RecordingPointer open(const fs::path& path, const OpenArguments& arguments) {
 
 SliceSize slice_size(std::optional<int64_t> delta_t, std::optional<int64_t> n_events) {
   if (delta_t && (*delta_t < 1 || *delta_t > recordings::kTimeLimitUs)) {
-    throw py::value_error("delta_t is a time of at least 1 us");
+    throw py::value_error(cat("delta_t is from 1 to ", recordings::kTimeLimitUs, " us"));
   }
   if (n_events && *n_events < 1) throw py::value_error("n_events is a number of at least 1");
   SliceSize size;

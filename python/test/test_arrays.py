@@ -180,6 +180,12 @@ class ErrorTest(InFolder):
             e2lf.read_model("nothing")
         again = pickle.loads(pickle.dumps(caught.exception))
         self.assertEqual((str(again), again.code), (str(caught.exception), "not_found"))
+        codes = model().codes
+        for name in ("e2lf-any", "e2lf-n4-capture-geometry"):
+            with self.assertRaisesRegex(e2lf.Error, "adapted to the patterns"):
+                pickle.dumps(e2lf.Model(name))
+        again = pickle.loads(pickle.dumps(e2lf.Model("e2lf-any", codes=codes)))
+        self.assertTrue(same(again.codes, codes))
         for value in (e2lf.Reconstructor(model()), e2lf.open_recording("rec.raw")):
             with self.assertRaises(TypeError):
                 pickle.dumps(value)
@@ -197,6 +203,10 @@ class ThreadTest(InFolder):
         def stop(done, total):
             raise RuntimeError("enough")
 
+        script = ("import e2lf\ndef stop(done, total): raise RuntimeError\n"
+                  "try: e2lf.depth(e2lf.demo_scene(96, 64), progress=stop)\nexcept RuntimeError: print('caught')")
+        ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+        self.assertEqual((ended.returncode, ended.stdout), (0, "caught\n"))  # the interpreter ends after an exception
         for call in (lambda: reconstructor.reconstruct(images[0], progress=stop),
                      lambda: e2lf.write_light_field("views", e2lf.demo_scene(48, 32), progress=stop)):
             with self.assertRaisesRegex(RuntimeError, "enough"):

@@ -217,6 +217,9 @@ class NetworkTest(InFolder):
             fields = [network.reconstruct(images, gain=1) for network in (engine, on_torch)]
             self.assertLess(np.abs(fields[0] - fields[1]).max(), EXACT, name)
             self.assertFalse(np.array_equal(*fields), "the engine computed both")
+        told = []
+        on_torch.reconstruct(images, progress=lambda done, total: told.append(done / total))
+        self.assertEqual(told, [0, 1])
         maps = [e2lf.Reconstructor("e2lf-n4-depth", precision="float32", device=device).depth(images) for device in ("cpu", "torch-cpu")]
         self.assertLess(np.abs(maps[0].disparity - maps[1].disparity).max(), EXACT)
         for precision in ("int16", "float16", "bfloat16"):
@@ -267,7 +270,10 @@ class NetworkTest(InFolder):
 
     def test_wrong_arguments_are_told_in_one_sentence(self):
         network, aperture, codes = load_module("e2lf-n4"), CodedAperture(4), model().codes
+        with self.assertRaisesRegex(e2lf.Error, "adapted to the patterns"):
+            load_module("e2lf-any")
         cases = [
+            (lambda: network.set_camera(e2lf.Camera("evk4-lcos")), "trained for a single camera"),
             (lambda: network(torch.zeros(3, 64, 64)), "event images must be [batch, transition, y, x]"),
             (lambda: network(torch.zeros(1, 4, 64, 64)), "sizes 3"),
             (lambda: aperture(torch.zeros(8, 8, 32, 32)), "add the batch axis"),

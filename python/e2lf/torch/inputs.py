@@ -68,7 +68,9 @@ def form_inputs(
         elif kind == "lens-array":
             lenses = F.pixel_unshuffle(given, LENS_PIXELS)
             planes = F.interpolate(lenses, size=given.shape[2:], mode="bilinear", align_corners=False)
-        else:
+        elif kind in ("images", "image-sum"):
             planes = given
+        else:
+            raise ValueError(f'there is no input "{kind}"')
         channels.append(planes * scale)
     return torch.cat(channels, 1)

@@ -46,11 +46,13 @@ class LightFieldNetwork(nn.Module):
         self.register_buffer("conditioning", None, persistent=False)
 
     def set_camera(self, camera: e2lf.Camera, cycles: int = 1) -> None:
-        """Sets the camera that records the events, and the number of cycles over which they are averaged."""
+        """Sets the camera that records the events, and the number of cycles over which they are averaged, for networks that are
+        conditioned on the camera."""
+        if not self.is_conditioned_on_camera:
+            raise ValueError(f"{self.header['name']} was trained for a single camera and single cycles; omit the camera")
         self.constants = camera.constants
-        if self.is_conditioned_on_camera:
-            vector = torch.from_numpy(camera.conditioning(self.num_patterns, cycles))
-            self.conditioning = vector[None].to(next(self.parameters()).device)
+        vector = torch.from_numpy(camera.conditioning(self.num_patterns, cycles))
+        self.conditioning = vector[None].to(next(self.parameters()).device)
 
     def planes(self, events: Optional[Tensor], images: Optional[Tensor] = None) -> Tensor:
         """Returns the input of the network, [batch, channel, y, x], extended at the bottom and right by its mirror image."""
@@ -116,7 +118,8 @@ def load_module(name: Union[Path, e2lf.Model, e2lf.VideoModel],
         return FrameNetwork(name.header, name.weights)
     model = name if isinstance(name, e2lf.Model) else e2lf.Model(name)
     module = LightFieldNetwork(model.header, model.weights)
-    module.set_camera(camera or model.camera or e2lf.Camera.from_constants(model.constants))
+    if camera or module.is_conditioned_on_camera:
+        module.set_camera(camera or model.camera or e2lf.Camera.from_constants(model.constants))
     return module
 
 

@@ -114,7 +114,12 @@ Result<void> Engine::run(std::span<const float> input, size_t height, size_t wid
 
 Result<void> Engine::run_frame(std::span<const float> input, size_t height, size_t width, FrameState& state,
                                std::span<float> output, const ProgressFn& progress) const {
-  if (device_) return device_->run(input, height, width, output);
+  if (device_) {
+    if (progress) progress(0, width * height);
+    E2LF_RETURN_IF_ERROR(device_->run(input, height, width, output));
+    if (progress) progress(width * height, width * height);
+    return {};
+  }
   const size_t multiple = plan_.alignment / kTileSize;
   E2LF_REQUIRE(height > 0 && width > 0 && height % multiple == 0 && width % multiple == 0,
                cat("height and width must be multiples of ", multiple));
