@@ -228,11 +228,11 @@ TEST(Session, AFrozenLightFieldIsThatOfTheSequenceToTheBit) {
   SessionOptions options;
   options.size = PictureSize::kFull;
   Session session(open_replay(folder / "a.raw"), one_maker(), options);
-  EXPECT_FALSE(session.freeze().has_value());
+  EXPECT_FALSE(session.freeze());
   session.start();
   ASSERT_TRUE(session.wait().ok());
   const auto frozen = session.freeze();
-  ASSERT_TRUE(frozen.has_value());
+  ASSERT_TRUE(frozen);
   EXPECT_EQ(frozen->cycle.images, cycle_images(0));
   const recon::Reconstructor network = reconstructor();
   pipeline::FieldSequence sequence([&](const capture::MeasurementView& measured,

@@ -103,7 +103,7 @@ diagnose::Findings EventRun::judge_events(const EventResult& result) const {
   const capture::EventImages& events = result.cycle.images.events;
   const size_t cycles = method_.use.cycles;
   diagnose::Findings findings = diagnose::check_event_images(events, cycles);
-  if (const size_t empty = result.cycle.without_events; cycles > 1 && empty > 0 && findings.empty()) {
+  if (const size_t empty = result.cycle.without_events; empty > 0 && empty < cycles) {
     findings.push_back({"events-absent",
                         diagnose::Severity::kError,
                         cat(empty, " of the ", cycles, " cycles of the sum have no events, so that it is too dark"),
