@@ -338,9 +338,8 @@ Json to_json(const recordings::RecordingInfo& info, const recordings::DecodeSumm
 
 std::string duplicates_text(const recordings::DuplicateCounter& counter) {
   if (counter.duplicates() == 0) return "";
-  return cat(
-      formatted("%.3g", 100 * counter.share()),
-      " % of the events are exact duplicates of others, and count twice\n");
+  return cat(formatted("%.3g", 100 * counter.share()),
+             " % of the events are exact duplicates of others, and count twice\n");
 }
 
 }  // namespace
