@@ -313,8 +313,7 @@ Result<LiveField> Session::freeze() {
   LiveField frozen;
   {
     const std::lock_guard lock(field_mutex_);
-    if (shown_.serial == 0)
-      return fail(ErrorCode::kNotFound, "", "there is no light field yet; wait for the first one");
+    if (shown_.serial == 0) return fail(ErrorCode::kNotFound, "", "there is no light field yet; wait for one");
     frozen = shown_.without_views();
   }
   E2LF_RETURN_IF_ERROR(networks_.make(frozen.cycle, true, frozen));

@@ -123,8 +123,9 @@ class Session {
   [[nodiscard]] std::shared_ptr<const ShownDepth> depth(uint64_t after, std::chrono::milliseconds patience);
   [[nodiscard]] bool has_depth() const { return depth_.has_value(); }
 
-  /// Computes all views of the newest light field and returns it with the brightness in which it is shown, or nothing
-  /// if there is none yet. The values are those that pipeline::FieldSequence computes for this gain and black level.
+  /// Computes all views of the newest light field and returns it with the brightness in which it is shown. Fails with
+  /// kNotFound if there is none yet, and as the network does. The values are those that pipeline::FieldSequence
+  /// computes for this gain and black level.
   [[nodiscard]] Result<LiveField> freeze();
 
   /// Returns the number of cycles that were fused for the newest light field, [y, x] in a quarter of the size, or

@@ -107,7 +107,7 @@ diagnose::Findings EventRun::judge_events(const EventResult& result) const {
     findings.push_back({"events-absent",
                         diagnose::Severity::kError,
                         cat(empty, " of the ", cycles, " cycles of the sum have no events, so that it is too dark"),
-                        "leave these cycles out",
+                        "check the camera and the display, or sum fewer cycles",
                         {{"cycles", empty}}});
   }
   // Wrong times explain every other sign and order, and so do wrong signs and orders other places of the patterns.

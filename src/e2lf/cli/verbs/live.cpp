@@ -217,7 +217,7 @@ Result<void> write_last(live::Session& session, OutputFile& output, const RunRec
   const int ended_by = stop_signal();
   request_stop(0);
   const auto last = session.freeze();
-  request_stop(ended_by);
+  if (ended_by != 0) request_stop(ended_by);  // or else a signal that has come meanwhile counts
   if (!last) return last.error();
   E2LF_RETURN_IF_ERROR(
       lightfield::write_light_field(output.path(), last->light_field, {.format = lightfield::LightFieldFormat::kNpy}));

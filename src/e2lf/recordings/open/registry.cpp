@@ -55,8 +55,7 @@ struct Beginning {
 };
 
 constexpr Beginning kBeginnings[] = {
-    {"PK\x03\x04"sv, 0,
-     "a zip archive; unpack it, then give the recording in it; give event images as a file and not through a pipe"},
+    {"PK\x03\x04"sv, 0, "a zip archive; unpack it and give the recording in it, or give event images as a file"},
     {"\x1F\x8B"sv, 0, "compressed by gzip; unpack it with `gunzip`, then give the recording in it"},
     {"\x28\xB5\x2F\xFD"sv, 0, "compressed by Zstandard; unpack it with `zstd -d`, then give the recording in it"},
     {"BZh"sv, 0, "compressed by bzip2; unpack it with `bzip2 -d`, then give the recording in it"},
