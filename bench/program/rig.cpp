@@ -14,6 +14,7 @@
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/outputs.h"
 #include "e2lf/program/verb.h"
+#include "e2lf/recon/fusion.h"
 #include "e2lf/recon/reconstruct.h"
 #include "e2lf/recordings/recording.h"
 #include "e2lf/streams/event_stream.h"
@@ -48,12 +49,12 @@ LightField enlarged_scene(size_t height, size_t width) {
   return field;
 }
 
-/// Measures the time of each stage, under its name.
+/// Measures the time of each stage, under its name, or that of one of its repetitions.
 class Stages {
  public:
-  void end(const std::string& name) {
-    const auto now = Clock::now();
-    json_.push_back({{"stage", name}, {"seconds", std::chrono::duration<double>(now - last_).count()}});
+  void end(const std::string& name, int repetitions = 1) {
+    const std::chrono::duration<double> elapsed = Clock::now() - last_;
+    json_.push_back({{"stage", name}, {"seconds", elapsed.count() / repetitions}});
     last_ = Clock::now();
   }
   [[nodiscard]] const Json& json() const { return json_; }
@@ -125,6 +126,10 @@ Result<Json> measure(const RigBench& options, const capture::SensorProfile& came
   stages.end("decode");
   E2LF_ASSIGN_OR_RETURN(const capture::EventImages images, accumulate(bytes, codes.num_patterns));
   stages.end("decode and accumulate");
+  constexpr int kFused = 64;
+  recon::CycleFusion fusion(camera, kFused / 4);
+  for (int cycle = 0; cycle < kFused; ++cycle) fusion.add(images);
+  stages.end("fuse", kFused);
   E2LF_ASSIGN_OR_RETURN(const LightField field, network.reconstruct(images));
   stages.end("reconstruct");
   uint64_t in_images = 0;
@@ -144,7 +149,7 @@ BenchReport rig_report(const Json& json) {
   report::Table table{"", {{"stage"}, {"seconds", true}}, {}};
   for (const Json& stage : json["stages"]) {
     table.rows.push_back(
-        {report::text_cell(stage["stage"].get<std::string>()), report::number_cell(stage["seconds"].get<double>(), 3)});
+        {report::text_cell(stage["stage"].get<std::string>()), report::number_cell(stage["seconds"].get<double>(), 4)});
   }
   char about[200];
   std::snprintf(about, sizeof about,

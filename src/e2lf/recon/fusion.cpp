@@ -13,6 +13,7 @@ namespace e2lf::recon {
 namespace {
 
 constexpr size_t kCell = 4;  // px along each axis that start again together
+constexpr size_t kBlocksOfCell = kCell * kCell / kBlock / kBlock;
 constexpr int kUnits = capture::kFusedUnits;
 /// The effective number of cycles is tabulated up to this multiple of the number of cycles in a mean. It hardly grows
 /// beyond.
@@ -25,12 +26,15 @@ struct Window {
   size_t reach;
   double deviations, deviations_near;
 };
-constexpr Window kWindows[] = {{1, 5, 5}, {2, 4, 3.5}};
+constexpr std::array<Window, 2> kWindows = {{{1, 5, 5}, {2, 4, 3.5}}};
+constexpr size_t kReach = 2;     // of the largest window, in cells
 constexpr size_t kNear = 2;      // cells
 constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
+/// Rows of cells that are compared and updated in turn, so that the counts and means are still in the cache.
+constexpr size_t kRowsInTurn = 8;
 /// The variance that noise makes follows the means, which change less and less: that of each cell is computed with the
 /// cycles 1, 2, 4, ... since its last change, and with one of this number.
-constexpr size_t kNoisePeriod = 16;
+constexpr size_t kNoisePeriod = 32;
 
 /// Returns what a chi-squared variable with `freedom` degrees of freedom, divided by them, exceeds as rarely as a
 /// normal one exceeds `deviations` standard deviations (Wilson and Hilferty 1931).
@@ -53,48 +57,35 @@ void sum_row(const float* values, size_t count, size_t reach, std::vector<float>
   std::copy_n(values, count, padded.begin() + static_cast<ptrdiff_t>(reach));
   std::fill_n(padded.end() - static_cast<ptrdiff_t>(reach), reach, values[count - 1]);
   std::copy_n(padded.begin(), count, sums);
-  for (size_t step = 1; step <= 2 * reach; ++step) {
-    for (size_t x = 0; x < count; ++x) sums[x] += padded[x + step];
-  }
+  for (size_t step = 1; step <= 2 * reach; ++step) add_row(padded.data() + step, count, sums);
 }
 
-/// Returns the sums over square windows; values beside the plane are those of its edge.
-std::vector<float> sum_windows(const std::vector<float>& plane, size_t height, size_t width, size_t reach) {
-  std::vector<float> across(plane.size()), sums(plane.size()), padded;
-  for (size_t y = 0; y < height; ++y) {
-    sum_row(plane.data() + y * width, width, reach, padded, across.data() + y * width);
+/// Sets `sums` to those of the rows within `reach` of row y; rows beside the plane are those of its edge.
+void sum_rows(const std::vector<float>& plane, size_t height, size_t y, size_t reach, std::vector<float>& sums) {
+  std::ranges::fill(sums, 0.0F);
+  for (size_t step = 0; step <= 2 * reach; ++step) {
+    const size_t from = std::min(std::max(y + step, reach) - reach, height - 1);
+    add_row(plane.data() + from * sums.size(), sums.size(), sums.data());
   }
-  for (size_t y = 0; y < height; ++y) {
-    float* const to = sums.data() + y * width;
-    for (size_t step = 0; step <= 2 * reach; ++step) {
-      const size_t from = std::min(std::max(y + step, reach) - reach, height - 1);
-      for (size_t x = 0; x < width; ++x) to[x] += across[from * width + x];
-    }
-  }
-  return sums;
 }
 
 void add_mask(const uint8_t* __restrict mask, size_t count, uint8_t* __restrict to) {
   for (size_t x = 0; x < count; ++x) to[x] |= mask[x];
 }
 
-/// Returns what is set within `reach` cells.
-std::vector<uint8_t> dilated(const std::vector<uint8_t>& mask, size_t height, size_t width, size_t reach) {
-  std::vector<uint8_t> across(mask.size()), result(mask.size());
-  for (size_t y = 0; y < height; ++y) {
-    const uint8_t* const from = mask.data() + y * width;
-    uint8_t* const to = across.data() + y * width;
-    for (size_t step = 0; step <= std::min(reach, width - 1); ++step) {
-      add_mask(from, width - step, to + step);
-      add_mask(from + step, width - step, to);
-    }
+/// Sets row y of `to` to what is set in the mask within `reach` cells.
+void dilate_row(const std::vector<uint8_t>& mask, size_t height, size_t y, size_t reach, std::vector<uint8_t>& to) {
+  const size_t width = mask.size() / height;
+  std::vector<uint8_t> across(width);
+  for (size_t from = y < reach ? 0 : y - reach; from < std::min(height, y + reach + 1); ++from) {
+    add_mask(mask.data() + from * width, width, across.data());
   }
-  for (size_t y = 0; y < height; ++y) {
-    for (size_t from = y < reach ? 0 : y - reach; from < std::min(height, y + reach + 1); ++from) {
-      add_mask(across.data() + from * width, width, result.data() + y * width);
-    }
+  uint8_t* const row = to.data() + y * width;
+  std::fill_n(row, width, uint8_t{0});
+  for (size_t step = 0; step <= std::min(reach, width - 1); ++step) {
+    add_mask(across.data(), width - step, row + step);
+    add_mask(across.data() + step, width - step, row);
   }
-  return result;
 }
 
 size_t cells_of(size_t pixels) {
@@ -108,11 +99,15 @@ CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycle
   E2LF_REQUIRE(most_cycles >= 1 && most_cycles <= kMostFusedCycles, "the number of fused cycles is out of range");
   // The weight w of a new cycle changes the relative variance v to (1 - w)^2 v + w^2.
   double variance = 1;
-  effective_ = {1, 1};
+  effective_ = {0, 1};
+  weights_ = {0, 1 << kMeanWeightBits};
+  noise_of_residual_ = {2, 2};
   while (effective_.size() < kSettled * most_cycles) {
     const double weight = 1 / static_cast<double>(std::min(effective_.size(), most_cycles));
     variance = (1 - weight) * (1 - weight) * variance + weight * weight;
+    weights_.push_back((1 << kMeanWeightBits) / static_cast<int>(std::min(effective_.size(), most_cycles)));
     effective_.push_back(static_cast<float>(1 / variance));
+    noise_of_residual_.push_back(1 + 1 / effective_.back());
   }
 }
 
@@ -128,132 +123,170 @@ void CycleFusion::restart(const PlanesView<const int16_t>& cycle) {
   added_.assign(cells, 0);
   unsettled_.assign(cells, 0);
   noise_of_cycle_.resize(cells);
-  of_blocks_.resize(cells);
-  of_cells_.resize(cells);
-  expected_.resize(cells);
+  for (size_t i = 0; i < kWindows.size(); ++i) {
+    WindowEvidence& evidence = evidence_[i];
+    for (std::vector<float>* plane : {&evidence.blocks, &evidence.cells, &evidence.expected}) plane->resize(cells);
+    const Window& window = kWindows[i];
+    const auto side = static_cast<double>(2 * window.reach + 1);
+    const double of_cells = freedom_of(count, side * side), of_blocks = kBlocksOfCell * of_cells;
+    for (size_t near = 0; near < 2; ++near) {
+      const double deviations = near == 0 ? window.deviations : window.deviations_near;
+      evidence.limits[near] = {limit_of(of_blocks, deviations), limit_of(of_cells, deviations)};
+    }
+  }
+  is_found_.assign(cells, 0);
   is_changed_.assign(cells, 1);
   is_near_change_.assign(cells, 0);
-  are_means_hidden_.assign(cells_y_, 0);
 }
 
-capture::EventImages& CycleFusion::means(size_t cell_y) {
-  return are_means_hidden_[cell_y] != 0 ? hidden_means_ : fused_.counts;
-}
-
-/// Separates the means of a row of cells from what is shown there, or unites them again.
-void CycleFusion::hide_means(size_t cell_y, bool are_hidden) {
-  if (are_hidden == (are_means_hidden_[cell_y] != 0)) return;
-  const capture::EventImages& from = means(cell_y);
-  are_means_hidden_[cell_y] = are_hidden ? 1 : 0;
-  capture::EventImages& to = means(cell_y);
-  const size_t first = cell_y * kCell * from.width;
-  const size_t count = std::min(kCell, from.height - cell_y * kCell) * from.width;
-  for (size_t k = 0; k < from.count; ++k) {
-    std::ranges::copy(from.image(k).subspan(first, count), to.image(k).subspan(first).begin());
+/// Calls body(left, count) for the pixels of each run of cells of a row that show the newest cycle alone.
+template <class Body>
+void CycleFusion::for_runs_alone(size_t cell_y, const Body& body) const {
+  const auto begin = unsettled_.begin() + static_cast<ptrdiff_t>(cell_y * cells_x_);
+  const auto end = begin + static_cast<ptrdiff_t>(cells_x_);
+  const auto is_alone = [](uint8_t cycles) { return cycles > 0; };
+  for (auto first = std::find_if(begin, end, is_alone); first != end;) {
+    const auto last = std::find_if_not(first, end, is_alone);
+    const size_t left = static_cast<size_t>(first - begin) * kCell, right = static_cast<size_t>(last - begin) * kCell;
+    body(left, std::min(right, fused_.counts.width) - left);
+    first = std::find_if(last, end, is_alone);
   }
+}
+
+/// Replaces what a row of cells shows by its means.
+void CycleFusion::restore_means(size_t cell_y) {
+  capture::EventImages& counts = fused_.counts;
+  const size_t first = cell_y * kCell, end = std::min(counts.height, first + kCell);
+  for_runs_alone(cell_y, [&](size_t left, size_t count) {
+    for (size_t k = 0; k < counts.count; ++k) {
+      for (size_t y = first; y < end; ++y) {
+        const size_t at = y * counts.width + left;
+        std::ranges::copy(hidden_means_.image(k).subspan(at, count), counts.image(k).subspan(at).begin());
+      }
+    }
+  });
 }
 
 void CycleFusion::add(const PlanesView<const int16_t>& cycle) {
   const std::array<size_t, 3> extents = {fused_.counts.count, fused_.counts.height, fused_.counts.width};
-  const bool is_first = cycle.extents != extents;
-  if (is_first) {
-    restart(cycle);
-  } else if (most_cycles_ > 1) {
-    compare(cycle);
-    find_changes();
+  const bool is_first = cycle.extents != extents, is_compared = !is_first && most_cycles_ > 1;
+  if (is_first) restart(cycle);
+  const auto for_rows = [](size_t begin, size_t end, const auto& body) {
+    parallel_for(end - begin, 4, [&](size_t from, size_t to) {
+      for (size_t cell_y = begin + from; cell_y < begin + to; ++cell_y) body(cell_y);
+    });
+  };
+  size_t compared = 0, found = 0;
+  for (size_t updated = 0; updated < cells_y_;) {
+    const size_t end = std::min(updated + kRowsInTurn, cells_y_);
+    if (is_compared) {
+      const size_t to_find = std::min(end + kDilation, cells_y_), to_compare = std::min(to_find + kReach, cells_y_);
+      for_rows(compared, to_compare, [&](size_t cell_y) { compare_row(cycle, cell_y); });
+      for (; found < to_find; ++found) find_changes(found);
+      for (size_t cell_y = updated; cell_y < end; ++cell_y) {
+        dilate_row(is_found_, cells_y_, cell_y, kDilation, is_changed_);
+      }
+      compared = to_compare;
+    }
+    for_rows(updated, end, [&](size_t cell_y) { update_row(cycle, cell_y); });
+    updated = end;
   }
-  update(cycle);
-  if (!is_first) is_near_change_ = dilated(is_changed_, cells_y_, cells_x_, kNear);
-  std::ranges::fill(is_changed_, uint8_t{0});
+  const auto restarted = std::ranges::count(is_changed_, uint8_t{1});
+  changed_ = static_cast<double>(restarted) / static_cast<double>(is_changed_.size());
+  for (size_t cell_y = 0; is_compared && cell_y < cells_y_; ++cell_y) {
+    dilate_row(is_changed_, cells_y_, cell_y, kNear, is_near_change_);
+  }
+  if (is_first) std::ranges::fill(is_changed_, uint8_t{0});
   ++cycle_;
 }
 
-void CycleFusion::compare(const PlanesView<const int16_t>& cycle) {
-  parallel_for(cells_y_, 8, [&](size_t begin, size_t end) {
-    for (size_t cell_y = begin; cell_y < end; ++cell_y) compare_row(cycle, cell_y);
-  });
-}
-
+/// Sets the evidence of a row of cells: sums over the columns of each window.
 void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
-  const capture::EventImages& all_means = means(cell_y);
-  const size_t width = all_means.width, first = cell_y * kCell;
-  const size_t rows = std::min(kCell, all_means.height - first), begin = cell_y * cells_x_;
-  std::fill_n(of_blocks_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
-  std::fill_n(of_cells_.begin() + static_cast<ptrdiff_t>(begin), cells_x_, 0.0F);
-  constexpr size_t kBlocks = kCell / kBlock;  // of a cell along each axis
-  std::vector<int16_t> scratch;
-  std::vector<float> sums(cells_x_);
-  std::vector<int32_t> residuals(cells_x_ * kBlocks);  // sums over blocks; those of pixels beside the image are 0
+  restore_means(cell_y);
+  const capture::EventImages& all_means = fused_.counts;
+  const size_t width = all_means.width, first = cell_y * kCell, rows = std::min(kCell, all_means.height - first);
+  std::array<std::vector<int16_t>, kBlock> scratch;
+  const std::vector<int16_t> zeros(width);  // the rows of a block below the image
+  std::vector<float> of_blocks(cells_x_), of_cells(cells_x_), sums(cells_x_);
+  std::vector<int32_t> residuals(cells_x_ * 2);  // sums over blocks; those of blocks beside the image are 0
   for (size_t k = 0; k < all_means.count; ++k) {
     std::ranges::fill(sums, 0.0F);
-    for (size_t y = first; y < first + rows; ++y) {
-      if ((y - first) % kBlock == 0) std::ranges::fill(residuals, 0);
-      add_residuals(cycle[k][y].values(scratch).data(), all_means.image(k).data() + y * width, width, residuals.data());
-      if ((y - first) % kBlock + 1 < kBlock && y + 1 < first + rows) continue;
-      for (size_t x = 0; x < cells_x_; ++x) {
-        const auto left = static_cast<float>(residuals[kBlocks * x]),
-                   right = static_cast<float>(residuals[kBlocks * x + 1]);
-        of_blocks_[begin + x] += left * left + right * right;
-        sums[x] += left + right;
+    for (size_t y = first; y < first + rows; y += kBlock) {
+      TwoRows counts = {zeros.data(), zeros.data()}, means = counts;
+      for (size_t row = 0; row < std::min(kBlock, first + rows - y); ++row) {
+        counts[row] = cycle[k][y + row].values(scratch[row]).data();
+        means[row] = all_means.image(k).data() + (y + row) * width;
       }
+      block_residuals(counts, means, width, residuals.data());
+      add_squares(residuals.data(), cells_x_, of_blocks.data(), sums.data());
     }
-    for (size_t x = 0; x < cells_x_; ++x) of_cells_[begin + x] += sums[x] * sums[x];
+    for (size_t x = 0; x < cells_x_; ++x) of_cells[x] += sums[x] * sums[x];
   }
-  expect_noise(cell_y);
-}
-
-/// Sets what noise makes of the residuals of a row of cells.
-void CycleFusion::expect_noise(size_t cell_y) {
-  const capture::EventImages& all_means = means(cell_y);
-  const size_t width = all_means.width, first = cell_y * kCell, rows = std::min(kCell, all_means.height - first);
-  for (size_t x = 0; x < cells_x_; ++x) {
-    const size_t cell = cell_y * cells_x_ + x, left = x * kCell, columns = std::min(kCell, width - left);
-    if (std::has_single_bit(added_[cell]) || (cycle_ + x) % kNoisePeriod == 0) {
-      const size_t pixels = rows * columns;
-      CountNoise::PixelLevel level;
-      noise_of_cycle_[cell] = 0;
-      for (size_t k = 0; k < all_means.count; ++k) {
-        int sum = 0;
-        for (size_t y = first; y < first + rows; ++y) {
-          const int16_t* const means = all_means.image(k).data() + y * width + left;
-          for (size_t column = 0; column < columns; ++column) sum += means[column];
-        }
-        const float count = static_cast<float>(sum) / static_cast<float>(pixels * kUnits);
-        noise_of_cycle_[cell] += static_cast<float>(pixels) * noise_.next(count, level);
-      }
-    }
-    constexpr auto kSquaredUnits = static_cast<float>(kUnits * kUnits);
-    expected_[cell] = noise_of_cycle_[cell] * kSquaredUnits * (1 + 1 / effective_[added_[cell]]);
-  }
-}
-
-void CycleFusion::find_changes() {
-  const size_t transitions = fused_.counts.count;
-  constexpr size_t kBlocks = kCell * kCell / kBlock / kBlock;  // of a cell
-  for (const Window& window : kWindows) {
-    const auto sum = [&](const std::vector<float>& plane) {
-      return sum_windows(plane, cells_y_, cells_x_, window.reach);
+  const std::vector<float> expected = expected_noise(cell_y);
+  std::vector<float> padded;
+  for (size_t i = 0; i < kWindows.size(); ++i) {
+    const auto sum = [&](const std::vector<float>& values, std::vector<float>& to) {
+      sum_row(values.data(), cells_x_, kWindows[i].reach, padded, to.data() + cell_y * cells_x_);
     };
-    const std::vector<float> blocks = sum(of_blocks_), cells = sum(of_cells_), expected = sum(expected_);
-    const auto side = static_cast<double>(2 * window.reach + 1);
-    const double of_cells = freedom_of(transitions, side * side), of_blocks = kBlocks * of_cells;
-    const float limits[2][2] = {
-        {limit_of(of_blocks, window.deviations), limit_of(of_cells, window.deviations)},
-        {limit_of(of_blocks, window.deviations_near), limit_of(of_cells, window.deviations_near)}};
-    for (size_t i = 0; i < is_changed_.size(); ++i) {
-      const float* const limit = limits[is_near_change_[i]];
-      is_changed_[i] |= blocks[i] > limit[0] * expected[i] || cells[i] > limit[1] * expected[i];
-    }
+    sum(of_blocks, evidence_[i].blocks);
+    sum(of_cells, evidence_[i].cells);
+    sum(expected, evidence_[i].expected);
   }
-  is_changed_ = dilated(is_changed_, cells_y_, cells_x_, kDilation);
 }
 
-void CycleFusion::update(const PlanesView<const int16_t>& cycle) {
-  parallel_for(cells_y_, 8, [&](size_t begin, size_t end) {
-    for (size_t cell_y = begin; cell_y < end; ++cell_y) update_row(cycle, cell_y);
-  });
-  const auto restarted = std::ranges::count(is_changed_, uint8_t{1});
-  changed_ = static_cast<double>(restarted) / static_cast<double>(is_changed_.size());
+/// Returns what noise makes of the squared residuals of a row of cells.
+std::vector<float> CycleFusion::expected_noise(size_t cell_y) {
+  const size_t begin = cell_y * cells_x_;
+  for (size_t x = 0; x < cells_x_; ++x) {
+    const unsigned added = added_[begin + x];
+    const bool is_power_of_two = (added & (added - 1)) == 0;
+    if (is_power_of_two || (cycle_ + x) % kNoisePeriod == 0) noise_of_cycle_[begin + x] = noise_of_cell(cell_y, x);
+  }
+  std::vector<float> expected(cells_x_);
+  constexpr auto kSquaredUnits = static_cast<float>(kUnits * kUnits);
+  for (size_t x = 0; x < cells_x_; ++x) {
+    expected[x] = noise_of_cycle_[begin + x] * kSquaredUnits * noise_of_residual_[added_[begin + x]];
+  }
+  return expected;
+}
+
+/// Returns the variance of the sum of the counts of a cell in one cycle, summed over the transitions.
+float CycleFusion::noise_of_cell(size_t cell_y, size_t cell_x) {
+  const capture::EventImages& all_means = fused_.counts;
+  const size_t width = all_means.width, first = cell_y * kCell, left = cell_x * kCell;
+  const size_t rows = std::min(kCell, all_means.height - first), columns = std::min(kCell, width - left);
+  const size_t pixels = rows * columns;
+  CountNoise::PixelLevel level;
+  float noise = 0;
+  for (size_t k = 0; k < all_means.count; ++k) {
+    int sum = 0;
+    for (size_t y = first; y < first + rows; ++y) {
+      const int16_t* const means = all_means.image(k).data() + y * width + left;
+      for (size_t column = 0; column < columns; ++column) sum += means[column];
+    }
+    const float count = static_cast<float>(sum) / static_cast<float>(pixels * kUnits);
+    noise += static_cast<float>(pixels) * noise_.next(count, level);
+  }
+  return noise;
+}
+
+/// Finds the cells of a row where the residuals exceed what noise makes of them in one of the windows.
+void CycleFusion::find_changes(size_t cell_y) {
+  uint8_t* const is_found = is_found_.data() + cell_y * cells_x_;
+  const uint8_t* const is_near = is_near_change_.data() + cell_y * cells_x_;
+  std::fill_n(is_found, cells_x_, uint8_t{0});
+  std::vector<float> blocks(cells_x_), cells(cells_x_), expected(cells_x_);
+  for (size_t i = 0; i < kWindows.size(); ++i) {
+    const WindowEvidence& evidence = evidence_[i];
+    sum_rows(evidence.blocks, cells_y_, cell_y, kWindows[i].reach, blocks);
+    sum_rows(evidence.cells, cells_y_, cell_y, kWindows[i].reach, cells);
+    sum_rows(evidence.expected, cells_y_, cell_y, kWindows[i].reach, expected);
+    const auto [far, near] = evidence.limits;
+    for (size_t x = 0, count = cells_x_; x < count; ++x) {
+      const auto [of_blocks, of_cells] = is_near[x] != 0 ? near : far;
+      is_found[x] |= (blocks[x] > of_blocks * expected[x]) | (cells[x] > of_cells * expected[x]);
+    }
+  }
 }
 
 /// Adds a cycle to a cell, which starts again if it has changed.
@@ -269,36 +302,40 @@ void CycleFusion::count_cycle(size_t cell) {
 
 void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
   const size_t width = fused_.counts.width, first = cell_y * kCell;
+  const size_t end = std::min(fused_.counts.height, first + kCell);
   std::vector<int32_t> weights(cells_x_ * kCell);
-  std::vector<float> numbers(cells_x_ * kCell);
-  std::vector<uint8_t> is_alone(cells_x_ * kCell);
+  bool has_other_numbers = false;
+  const auto number_of = [&](size_t cell) { return unsettled_[cell] == 0 ? effective_[added_[cell]] : 1.0F; };
   for (size_t x = 0; x < cells_x_; ++x) {
     const size_t cell = cell_y * cells_x_ + x;
+    const float number = number_of(cell);
     count_cycle(cell);
-    const bool is_settled = unsettled_[cell] == 0;
-    const auto at = static_cast<ptrdiff_t>(x * kCell);
-    std::fill_n(weights.begin() + at, kCell,
-                (1 << kMeanWeightBits) / static_cast<int>(std::min<size_t>(added_[cell], most_cycles_)));
-    std::fill_n(numbers.begin() + at, kCell, is_settled ? effective_[added_[cell]] : 1.0F);
-    std::fill_n(is_alone.begin() + at, kCell, is_settled ? 0 : 1);
+    has_other_numbers |= number_of(cell) != number;
+    std::fill_n(weights.begin() + static_cast<ptrdiff_t>(x * kCell), kCell, weights_[added_[cell]]);
   }
-  hide_means(cell_y, std::ranges::count(is_alone, uint8_t{1}) > 0);
+  if (has_other_numbers) {
+    std::vector<float> numbers(weights.size());
+    for (size_t x = 0; x < numbers.size(); x += kCell) {
+      std::fill_n(numbers.begin() + static_cast<ptrdiff_t>(x), kCell, number_of(cell_y * cells_x_ + x / kCell));
+    }
+    for (size_t y = first; y < end; ++y) std::copy_n(numbers.begin(), width, fused_.cycles.values.data() + y * width);
+  }
   std::vector<int16_t> scratch;
-  float* const shown_numbers = fused_.cycles.values.data() + first * width;
-  const bool has_other_numbers = !std::equal(shown_numbers, shown_numbers + width, numbers.begin());
-  for (size_t y = first; y < std::min(fused_.counts.height, first + kCell); ++y) {
-    if (has_other_numbers) std::copy_n(numbers.begin(), width, shown_numbers + (y - first) * width);
-    for (size_t k = 0; k < fused_.counts.count; ++k) {
-      const auto counts = cycle[k][y].values(scratch);
-      int16_t* const mean = means(cell_y).image(k).data() + y * width;
-      add_to_means(counts.data(), weights.data(), width, mean);
-      if (are_means_hidden_[cell_y] == 0) continue;
-      int16_t* const shown = fused_.counts.image(k).data() + y * width;
-      for (size_t x = 0; x < width; ++x) {
-        shown[x] = is_alone[x] != 0 ? static_cast<int16_t>(units_of(counts[x])) : mean[x];
-      }
+  const auto means = [&](size_t k, size_t y) { return fused_.counts.image(k).subspan(y * width, width); };
+  for (size_t k = 0; k < fused_.counts.count; ++k) {
+    for (size_t y = first; y < end; ++y) {
+      add_to_means(cycle[k][y].values(scratch).data(), weights.data(), width, means(k, y).data());
     }
   }
+  for_runs_alone(cell_y, [&](size_t left, size_t count) {
+    for (size_t k = 0; k < fused_.counts.count; ++k) {
+      for (size_t y = first; y < end; ++y) {
+        const auto shown = means(k, y).subspan(left, count);
+        std::ranges::copy(shown, hidden_means_.image(k).subspan(y * width + left).begin());
+        std::ranges::transform(cycle[k][y].values(scratch).subspan(left, count), shown.begin(), units_of);
+      }
+    }
+  });
 }
 
 }  // namespace e2lf::recon

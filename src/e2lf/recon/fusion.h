@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -51,36 +52,45 @@ class CycleFusion {
   [[nodiscard]] double changed() const { return changed_; }
 
  private:
+  /// What is compared in a window around each cell, [cell_y, cell_x], in squared capture::kFusedUnits. Each value is
+  /// the sum over the columns of the window.
+  struct WindowEvidence {
+    std::vector<float> blocks, cells;  ///< squares of the residuals of the blocks and of the cells
+    std::vector<float> expected;       ///< what noise makes of either
+    /// What the ratios of the first two to the last one exceed where the scene changed; the second pair applies near a
+    /// change with the last cycle.
+    std::array<std::array<float, 2>, 2> limits;
+  };
+
   void restart(const PlanesView<const int16_t>& cycle);
-  void compare(const PlanesView<const int16_t>& cycle);
   void compare_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
-  void expect_noise(size_t cell_y);
-  void find_changes();
-  void update(const PlanesView<const int16_t>& cycle);
+  [[nodiscard]] std::vector<float> expected_noise(size_t cell_y);
+  [[nodiscard]] float noise_of_cell(size_t cell_y, size_t cell_x);
+  void find_changes(size_t cell_y);
   void update_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
   void count_cycle(size_t cell);
-  void hide_means(size_t cell_y, bool are_hidden);
-  [[nodiscard]] capture::EventImages& means(size_t cell_y);
+  template <class Body>
+  void for_runs_alone(size_t cell_y, const Body& body) const;
+  void restore_means(size_t cell_y);
 
   size_t most_cycles_;
   CountNoise noise_;
-  std::vector<float> effective_;  ///< number of cycles, by the number of cycles added
+  // By the number of cycles added.
+  std::vector<float> effective_;          ///< number of cycles
+  std::vector<float> noise_of_residual_;  ///< variance of the residual, divided by that of one cycle
+  std::vector<int32_t> weights_;          ///< of the newest cycle, for add_to_means()
   capture::FusedCycles fused_;
-  /// Means of the rows of cells of which some are not settled; elsewhere, they are what is shown, which saves memory
-  /// traffic.
-  capture::EventImages hidden_means_;
-  std::vector<uint8_t> are_means_hidden_;  ///< [cell_y]
-  size_t cycle_ = 0;                       ///< number of cycles since everything started
+  capture::EventImages hidden_means_;  ///< means where fused_ shows the newest cycle alone; undefined elsewhere
+  size_t cycle_ = 0;                   ///< number of cycles since everything started
   size_t cells_y_ = 0, cells_x_ = 0;
   // Of each cell, [cell_y, cell_x].
   std::vector<uint16_t> added_;     ///< number of cycles since the last change, up to a limit
   std::vector<uint8_t> unsettled_;  ///< number of cycles for which the newest one is still shown alone
   /// Variance of the sum of its counts in one cycle, summed over the transitions.
   std::vector<float> noise_of_cycle_;
-  /// Sums of the squares of the residuals of its blocks, and of the cell, over the transitions, and what noise makes of
-  /// either, in squared capture::kFusedUnits.
-  std::vector<float> of_blocks_, of_cells_, expected_;
-  std::vector<uint8_t> is_changed_, is_near_change_;
+  std::array<WindowEvidence, 2> evidence_;
+  /// Whether it is found to change, starts again with this cycle, and lies near one that did with the last cycle.
+  std::vector<uint8_t> is_found_, is_changed_, is_near_change_;
   double changed_ = 0;
 };
 

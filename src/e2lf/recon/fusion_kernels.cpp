@@ -18,24 +18,34 @@ V Limited(D d, V counts) {
   return hn::Min(hn::Max(counts, hn::Set(d, units_of(INT16_MIN) >> kShift)), hn::Set(d, units_of(INT16_MAX) >> kShift));
 }
 
-void AddResiduals(const int16_t* HWY_RESTRICT counts, const int16_t* HWY_RESTRICT means, size_t width,
-                  int32_t* HWY_RESTRICT sums) {
+void BlockResiduals(const TwoRows& counts, const TwoRows& means, size_t width, int32_t* HWY_RESTRICT sums) {
   size_t x = 0;
 #if HWY_TARGET != HWY_SCALAR  // which has no pairs
   const hn::ScalableTag<int16_t> d16;
   const hn::RepartitionToWide<decltype(d16)> d32;
+  const auto sum_pairs = [&](auto of_16_bits) {  // the lower count of each pair is in the low half of 32 bits
+    const auto v = hn::BitCast(d32, of_16_bits);
+    return hn::Add(hn::ShiftRight<16>(hn::ShiftLeft<16>(v)), hn::ShiftRight<16>(v));
+  };
   for (; x + hn::Lanes(d16) <= width; x += hn::Lanes(d16)) {
-    // In 32 bits, the lower count of each pair is in the low half.
-    const auto pairs = hn::BitCast(d32, Limited(d16, hn::LoadU(d16, counts + x)));
-    const auto of_means = hn::BitCast(d32, hn::LoadU(d16, means + x));
-    const auto sum_pairs = [](auto v) {
-      return hn::Add(hn::ShiftRight<16>(hn::ShiftLeft<16>(v)), hn::ShiftRight<16>(v));
-    };
-    const auto residual = hn::Sub(hn::ShiftLeft<kShift>(sum_pairs(pairs)), sum_pairs(of_means));
-    hn::StoreU(hn::Add(hn::LoadU(d32, sums + x / kBlock), residual), d32, sums + x / kBlock);
+    const auto newest =
+        hn::Add(Limited(d16, hn::LoadU(d16, counts[0] + x)), Limited(d16, hn::LoadU(d16, counts[1] + x)));
+    const auto mean = hn::Add(sum_pairs(hn::LoadU(d16, means[0] + x)), sum_pairs(hn::LoadU(d16, means[1] + x)));
+    hn::StoreU(hn::Sub(hn::ShiftLeft<kShift>(sum_pairs(newest)), mean), d32, sums + x / kBlock);
+    for (size_t row = 0; row < kBlock;
+         ++row) {  // the next blocks, without which most of the time is waiting for memory
+      __builtin_prefetch(counts[row] + x + kBlock * width);
+      __builtin_prefetch(means[row] + x + kBlock * width);
+    }
   }
 #endif
-  for (; x < width; ++x) sums[x / kBlock] += units_of(counts[x]) - means[x];
+  for (; x < width; x += kBlock) {
+    int32_t sum = 0;
+    for (size_t row = 0; row < kBlock; ++row) {
+      for (size_t at = x; at < std::min(x + kBlock, width); ++at) sum += units_of(counts[row][at]) - means[row][at];
+    }
+    sums[x / kBlock] = sum;
+  }
 }
 
 void AddToMeans(const int16_t* HWY_RESTRICT counts, const int32_t* HWY_RESTRICT weights, size_t width,
@@ -56,21 +66,44 @@ void AddToMeans(const int16_t* HWY_RESTRICT counts, const int32_t* HWY_RESTRICT 
   }
 }
 
+void AddSquares(const int32_t* HWY_RESTRICT residuals, size_t cells, float* HWY_RESTRICT of_blocks,
+                float* HWY_RESTRICT sums) {
+  for (size_t x = 0; x < cells; ++x) {
+    const auto left = static_cast<float>(residuals[2 * x]), right = static_cast<float>(residuals[2 * x + 1]);
+    of_blocks[x] += left * left + right * right;
+    sums[x] += left + right;
+  }
+}
+
+void AddRow(const float* HWY_RESTRICT values, size_t count, float* HWY_RESTRICT sums) {
+  for (size_t x = 0; x < count; ++x) sums[x] += values[x];
+}
+
 }  // namespace e2lf::recon::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace e2lf::recon {
 
-HWY_EXPORT(AddResiduals);
+HWY_EXPORT(BlockResiduals);
 HWY_EXPORT(AddToMeans);
+HWY_EXPORT(AddSquares);
+HWY_EXPORT(AddRow);
 
-void add_residuals(const int16_t* counts, const int16_t* means, size_t width, int32_t* sums) {
-  HWY_DYNAMIC_DISPATCH(AddResiduals)(counts, means, width, sums);
+void block_residuals(const TwoRows& counts, const TwoRows& means, size_t width, int32_t* sums) {
+  HWY_DYNAMIC_DISPATCH(BlockResiduals)(counts, means, width, sums);
 }
 
 void add_to_means(const int16_t* counts, const int32_t* weights, size_t width, int16_t* means) {
   HWY_DYNAMIC_DISPATCH(AddToMeans)(counts, weights, width, means);
+}
+
+void add_squares(const int32_t* residuals, size_t cells, float* of_blocks, float* sums) {
+  HWY_DYNAMIC_DISPATCH(AddSquares)(residuals, cells, of_blocks, sums);
+}
+
+void add_row(const float* values, size_t count, float* sums) {
+  HWY_DYNAMIC_DISPATCH(AddRow)(values, count, sums);
 }
 
 }  // namespace e2lf::recon

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,16 +17,26 @@ inline constexpr int kMeanWeightBits = 14;
 inline constexpr size_t kBlock = 2;
 
 /// Returns a count in capture::kFusedUnits, limited to their range.
-constexpr int units_of(int16_t count) {
+constexpr int16_t units_of(int16_t count) {
   constexpr int kUnits = capture::kFusedUnits;
-  return std::clamp<int>(count, INT16_MIN / kUnits, INT16_MAX / kUnits) * kUnits;
+  return static_cast<int16_t>(std::clamp<int>(count, INT16_MIN / kUnits, INT16_MAX / kUnits) * kUnits);
 }
 
-/// Adds the residuals units_of(counts[x]) - means[x], x < width, of a row to the sum of their block, sums[x / kBlock].
-void add_residuals(const int16_t* counts, const int16_t* means, size_t width, int32_t* sums);
+using TwoRows = std::array<const int16_t*, kBlock>;
+
+/// Sets the sums of each block, sums[x / kBlock], x < width, to those of the residuals units_of(counts[row][x]) -
+/// means[row][x] in its rows.
+void block_residuals(const TwoRows& counts, const TwoRows& means, size_t width, int32_t* sums);
 
 /// Moves the means of a row towards the counts of a new cycle by weights[x] / 2^kMeanWeightBits of their difference,
 /// rounded to the nearest unit.
 void add_to_means(const int16_t* counts, const int32_t* weights, size_t width, int16_t* means);
+
+/// Adds the squares of the residuals of the two blocks of each cell, residuals[2 * x] and [2 * x + 1], to of_blocks[x],
+/// and the residuals to sums[x].
+void add_squares(const int32_t* residuals, size_t cells, float* of_blocks, float* sums);
+
+/// Adds values to sums.
+void add_row(const float* values, size_t count, float* sums);
 
 }  // namespace e2lf::recon

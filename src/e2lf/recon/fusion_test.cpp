@@ -154,27 +154,26 @@ TEST(CycleFusion, ShowsTheNewestCycleAloneUntilItsMeanIsSettled) {
 TEST(FusionKernels, ComputeTheSameOnEveryInstructionSet) {
   std::mt19937 random(5);
   for (const size_t width : {1, 3, 16, 77}) {
-    std::vector<int16_t> counts(width), means(width);
+    std::vector<int16_t> counts(2 * width), means(2 * width);
     std::vector<int32_t> weights(width);
-    for (size_t x = 0; x < width; ++x) {
-      counts[x] = static_cast<int16_t>(x % 5 == 0 ? random() : random() % 9);  // some beyond the range of units
-      means[x] = static_cast<int16_t>(random());
-      weights[x] = (1 << kMeanWeightBits) / static_cast<int32_t>(1 + random() % kMostFusedCycles);
+    for (size_t i = 0; i < 2 * width; ++i) {
+      counts[i] = static_cast<int16_t>(i % 5 == 0 ? random() : random() % 9);  // some beyond the range of units
+      means[i] = static_cast<int16_t>(random());
+      weights[i % width] = (1 << kMeanWeightBits) / static_cast<int32_t>(1 + random() % kMostFusedCycles);
     }
-    std::vector<int32_t> expected_sums(width / kBlock + 1, 7);
+    std::vector<int32_t> expected_sums((width + 1) / kBlock);
+    for (size_t i = 0; i < 2 * width; ++i) expected_sums[i % width / kBlock] += units_of(counts[i]) - means[i];
     std::vector<int16_t> expected_means(width);
     for (size_t x = 0; x < width; ++x) {
-      const int residual = units_of(counts[x]) - means[x];
-      expected_sums[x / kBlock] += residual;
-      const double moved = means[x] + residual * (weights[x] / static_cast<double>(1 << kMeanWeightBits));
-      expected_means[x] = static_cast<int16_t>(std::floor(moved + 0.5));
+      const double weight = weights[x] / static_cast<double>(1 << kMeanWeightBits);
+      expected_means[x] = static_cast<int16_t>(std::floor(means[x] + (units_of(counts[x]) - means[x]) * weight + 0.5));
     }
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
       std::vector<int32_t> sums(expected_sums.size(), 7);
-      add_residuals(counts.data(), means.data(), width, sums.data());
+      block_residuals({counts.data(), counts.data() + width}, {means.data(), means.data() + width}, width, sums.data());
       EXPECT_EQ(sums, expected_sums) << isa << ", " << width;
-      std::vector<int16_t> updated = means;
+      std::vector<int16_t> updated(means.begin(), means.begin() + static_cast<ptrdiff_t>(width));
       add_to_means(counts.data(), weights.data(), width, updated.data());
       EXPECT_EQ(updated, expected_means) << isa << ", " << width;
     }
