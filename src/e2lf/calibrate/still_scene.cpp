@@ -129,10 +129,10 @@ std::vector<PixelState> find_bad_pixels(const std::vector<StillScene>& scenes) {
     }
   });
   std::vector<size_t> hot_in(states.size());
-  // Still scenes allow a lower limit than recordings do.
-  constexpr float kBeyondRange = 0.75F;
+  // Still scenes allow lower limits than recordings do.
+  constexpr capture::HotLimits kLimits{.beyond_range = 0.75F, .in_single_cycle = 2};
   for (const SceneSums& each : sums) {
-    for (const size_t p : capture::hot_pixels(each.signed_counts, kBeyondRange)) {
+    for (const size_t p : capture::hot_pixels(each.signed_counts, kLimits)) {
       if (++hot_in[p] == sums.size()) states[p] = PixelState::kHot;
     }
   }

@@ -17,10 +17,10 @@ constexpr size_t kMostNeighbours = 24;
 constexpr size_t kOutliers = 2;  // neighbours on either side that may be hot, too
 
 /// Returns the least excess of a hot pixel, summed over all transitions.
-int32_t least_excess(size_t cycles, size_t transitions) {
-  constexpr double kPerCycle = 2.0 / 3, kOfNoise = 2;
+int32_t least_excess(size_t cycles, size_t transitions, double in_single_cycle) {
+  constexpr double kPerCycle = 2.0 / 3;
   const auto count = static_cast<double>(cycles);
-  const double least = std::max(kOfNoise * std::sqrt(count), kPerCycle * count);
+  const double least = std::max(in_single_cycle * std::sqrt(count), kPerCycle * count);
   return static_cast<int32_t>(std::ceil(least * static_cast<double>(transitions)));
 }
 
@@ -79,10 +79,10 @@ void CountSums::fade() {
   cycles /= 2;
 }
 
-std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range) {
+std::vector<size_t> hot_pixels(const CountSums& sums, const HotLimits& limits) {
   if (sums.cycles == 0) return {};
   const size_t height = sums.counts.height, width = sums.counts.width;
-  const int32_t least = least_excess(sums.cycles, sums.counts.count);
+  const int32_t least = least_excess(sums.cycles, sums.counts.count, limits.in_single_cycle);
   std::vector<size_t> hot;
   std::mutex mutex;
   parallel_for(height, 16, [&](size_t begin, size_t end) {
@@ -97,7 +97,7 @@ std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range) {
       sum = 0;
       size_t exceeded = 0;  // transitions
       for (size_t n = 0; n < sums.counts.count; ++n) {
-        const int32_t more = excess(sums.counts.image(n), height, width, pixel, beyond_range);
+        const int32_t more = excess(sums.counts.image(n), height, width, pixel, limits.beyond_range);
         sum += more;
         exceeded += more > 0 ? 1 : 0;
       }

@@ -39,11 +39,17 @@ void each_neighbour(size_t height, size_t width, size_t pixel, const Visit& visi
   }
 }
 
+/// By how much a hot pixel exceeds its neighbours.
+struct HotLimits {
+  float beyond_range = 1.0F;   ///< of the counts of the neighbours, in ranges of these counts
+  double in_single_cycle = 3;  ///< events per transition
+};
+
 /// Returns the numbers of the hot pixels in ascending order. The limit of a pixel is the largest count of its 24
 /// neighbours plus `beyond_range` times the range of their counts, both without the two most extreme ones on either
 /// side, which may be hot themselves. A hot pixel exceeds it in more than half of the transitions, on average by two
-/// thirds of an event per cycle and transition, and by two events in a single cycle.
-[[nodiscard]] std::vector<size_t> hot_pixels(const CountSums& sums, float beyond_range = 1.0F);
+/// thirds of an event per cycle and transition, and by `in_single_cycle` in a single cycle.
+[[nodiscard]] std::vector<size_t> hot_pixels(const CountSums& sums, const HotLimits& limits = {});
 
 /// Returns the number of pixels without any events among neighbours that have some: whose median is at least 20 events
 /// over all cycles and transitions.
