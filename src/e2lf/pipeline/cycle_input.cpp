@@ -26,6 +26,14 @@ Error too_few_error(size_t cycles, const CycleInputOptions& options) {
       .about("cycles_per_field");
 }
 
+/// Returns true if the event images cannot be those of a whole cycle of N patterns, which has 2N transitions.
+bool is_without_whole_cycle(const capture::MeasurementFile& file) {
+  const size_t transitions = file.cycles.front().events.count;
+  const auto& codes = file.setup.codes;
+  const bool is_lit = codes && codes->num_patterns == transitions + 1 && !capture::codes_of_whole_cycle(*codes);
+  return is_lit || transitions % 2 != 0;
+}
+
 Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions& options) {
   const capture::MeasurementKind measured = file.cycles.front().kind;
   const auto useless = [&](const std::string& why, const char* option) {
@@ -39,6 +47,12 @@ Result<void> check(const capture::MeasurementFile& file, const CycleInputOptions
   if (file.cycles.size() < options.cycles_per_field) return too_few_error(file.cycles.size(), options);
   if (options.cycles.invert_polarity && !capture::has_events(measured)) {
     return useless("this measurement has no events", "invert_polarity");
+  }
+  if (options.schedule.transitions == "all" && is_without_whole_cycle(file)) {
+    return fail(ErrorCode::kInvalidValue, options.input,
+                "these are not the event images of all transitions; accumulate the recording with all of them, or "
+                "omit this option")
+        .about("transitions");
   }
   return {};
 }
@@ -157,6 +171,13 @@ Result<void> CycleInput::fuse(const capture::SensorProfile& camera, size_t most_
   }
   fusion_.emplace(camera, most_cycles);
   return {};
+}
+
+Result<void> CycleInput::check_transitions() const {
+  if (reader_ || options_.schedule.transitions != "lit") return {};
+  return fail(ErrorCode::kInvalidValue, options_.input,
+              "the lit transitions are selected in recordings and not in event images; omit this option")
+      .about("transitions");
 }
 
 bool CycleInput::is_without_events() const {

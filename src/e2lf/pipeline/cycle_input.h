@@ -81,6 +81,10 @@ class CycleInput {
   /// measurements other than event images and for sums over cycles.
   [[nodiscard]] Result<void> fuse(const capture::SensorProfile& camera, size_t most_cycles);
 
+  /// Fails with kInvalidValue, option "transitions", if the lit ones of event images are requested, which only a
+  /// calibration selects.
+  [[nodiscard]] Result<void> check_transitions() const;
+
   /// Returns true if all counts of a file of event images are 0.
   [[nodiscard]] bool is_without_events() const;
   [[nodiscard]] bool is_recording() const { return reader_.has_value(); }

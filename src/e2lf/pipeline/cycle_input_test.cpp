@@ -70,6 +70,23 @@ TEST(CycleInput, ErrorsNameTheOption) {
   EXPECT_EQ(option(images, {.cycles = {.invert_polarity = true}}), "invert_polarity");
 }
 
+TEST(CycleInput, TellsLitTransitionsFromThoseOfAWholeCycle) {
+  const auto opened = [](size_t transitions, const std::optional<capture::Codes>& codes, const char* wanted) {
+    capture::MeasurementFile file = file_of({1});
+    file.cycles[0].events = capture::EventImages(transitions, 1, 1);
+    file.setup.codes = codes;
+    return CycleInput::open(std::move(file), {.schedule = {.transitions = wanted}});
+  };
+  const capture::Codes four = capture::default_codes(), whole = capture::whole_cycle(four);
+  for (const char* wanted : {"auto", "lit"}) EXPECT_TRUE(opened(3, four, wanted)) << wanted;
+  EXPECT_EQ(opened(3, four, "all").error().option, "transitions");
+  EXPECT_EQ(opened(3, {}, "all").error().option, "transitions");
+  EXPECT_TRUE(opened(8, whole, "all"));
+  EXPECT_TRUE(opened(8, four, "all"));
+  EXPECT_TRUE(opened(8, {}, "all"));
+  EXPECT_EQ(opened(8, whole, "lit")->check_transitions().error().option, "transitions");
+}
+
 TEST(RecordedSetup, IsThatOfTheRecordingThatIsReplayed) {
   recordings::add_camera_plugin({"any", "a camera that is not opened"});
   const TestFolder folder;

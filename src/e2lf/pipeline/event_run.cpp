@@ -16,12 +16,7 @@ Result<void> check_input(const CycleInput& input, const CycleInputOptions& optio
     return fail(ErrorCode::kInvalidValue, options.input,
                 "there are no events to reconstruct from: all counts are 0; check how they were accumulated");
   }
-  if (!input.is_recording() && options.schedule.transitions == "lit") {
-    return fail(ErrorCode::kInvalidValue, options.input,
-                "the lit transitions are selected in recordings and not in event images; omit this option")
-        .about("transitions");
-  }
-  return {};
+  return input.check_transitions();
 }
 
 }  // namespace

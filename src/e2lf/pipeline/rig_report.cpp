@@ -257,6 +257,7 @@ std::string RigReport::verdict() const {
 }
 
 Result<RigReport> examine_rig(CycleInput& input, MethodChoice choice, const std::function<void()>& on_read) {
+  E2LF_RETURN_IF_ERROR(input.check_transitions());
   E2LF_ASSIGN_OR_RETURN(const FirstCycles cycles, read_cycles(input));
   if (on_read) on_read();
   RigReport report{.cycles = cycles.counts.cycles, .is_confirmed = cycles.is_confirmed};

@@ -54,7 +54,7 @@ struct RigReport {
 /// camera that explain the events, and by search_rig() their order, polarity and orientation. If neither the choice nor
 /// the events state the patterns, those of each bundled model are tried. The input remains readable for its reports.
 /// `on_read` is called when all cycles were read, before the networks run.
-/// Fails as CycleInput::next() and search_rig() do.
+/// Fails as CycleInput::check_transitions(), CycleInput::next() and search_rig() do.
 [[nodiscard]] Result<RigReport> examine_rig(CycleInput& input, MethodChoice choice,
                                             const std::function<void()>& on_read = {});
 

@@ -68,7 +68,7 @@ reconstruct=("$E2LF" reconstruct events.npz -m "$model" -o out)
 fails 2 "none.json" "${reconstruct[@]}" --schedule none.json
 echo '{"patterns": [{"duration_us": 500, "image": 0}]}' >schedule.json
 # What does nothing for this kind of input is refused.
-for option in "--schedule schedule.json" "--source bursts" "--to-us 5" "--channel 3" --filter-pixels "--sensor-width 5" "--transitions lit"; do
+for option in "--schedule schedule.json" "--source bursts" "--to-us 5" "--channel 3" --filter-pixels "--sensor-width 5" "--transitions lit" "--transitions all"; do
   # shellcheck disable=SC2086 # the option and its value
   fails 1 "event images" "${reconstruct[@]}" $option
 done
