@@ -66,6 +66,7 @@ absent images.npz cycles.png
 absent rate.png rate.svg
 reconstruct=("$E2LF" reconstruct events.npz -m "$model" -o out)
 fails 2 "none.json" "${reconstruct[@]}" --schedule none.json
+fails 1 "--black" "${reconstruct[@]}" --black 1
 echo '{"patterns": [{"duration_us": 500, "image": 0}]}' >schedule.json
 # What does nothing for this kind of input is refused.
 for option in "--schedule schedule.json" "--source bursts" "--to-us 5" "--channel 3" --filter-pixels "--sensor-width 5" "--transitions lit" "--transitions all"; do

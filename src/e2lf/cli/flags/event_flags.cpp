@@ -272,9 +272,9 @@ Result<pipeline::Tone> tone_of(const MethodFlags& flags) {
     return fail(ErrorCode::kInvalidValue, "--gain", "\"", flags.gain,
                 "\" is not a gain; give auto or a positive number");
   }
-  if (flags.black != "auto" && !tone.black) {
+  if (flags.black != "auto" && !(tone.black < 1.0F)) {
     return fail(ErrorCode::kInvalidValue, "--black", "\"", flags.black,
-                "\" is not a brightness; give auto, 0 or a positive number");
+                "\" is not a brightness; give auto, or a number from 0 to less than 1, which is white");
   }
   return tone;
 }
