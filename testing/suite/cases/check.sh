@@ -36,6 +36,9 @@ grep -q pixels-hot <<<"$(codes_of hot.json)" || fail "$(cat hot.json)"
 [ "$(json dark.json "j['verdict']")" = doubtful ] || fail "$(cat dark.json)"
 "$E2LF" check right.raw --one-trigger-per-cycle --json >once.json 2>err.txt
 grep -q triggers-of-patterns <<<"$(codes_of once.json)" || fail "$(cat once.json)"
+# Without the page, findings are warnings.
+"$E2LF" check dark.raw --quiet >page.txt 2>err.txt
+[ ! -s page.txt ] && grep -q light-low err.txt || fail "$(cat page.txt err.txt)"
 fails 1 "--transitions" "$E2LF" check right.npz --transitions lit
 # No complete cycle is a page, too; live input ends by itself.
 "$E2LF" check right.raw --relative --to-us 30000 --json >short.json 2>err.txt

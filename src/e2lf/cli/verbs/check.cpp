@@ -126,6 +126,9 @@ std::string changes_text(const RigReport& report) {
 
 /// Returns the command that follows: the reconstruction if nothing is wrong.
 std::string next_step(const RigArguments& arguments, const RigReport& report) {
+  if (report.fits.empty() && report.findings.empty()) {
+    return "state other patterns or another network, as above, and run e2lf check again";
+  }
   if (diagnose::has_doubt(report.findings) || report.fits.empty()) {
     return "correct the first finding, and run e2lf check again";
   }
@@ -169,6 +172,9 @@ Result<void> check_rig(const RigArguments& arguments, const Verb& verb) {
   }
   json["next"] = next_step(arguments, report);
   print_result(verb.common(), json, page(arguments, report, json));
+  if (!verb.common().quiet || verb.common().json) return {};
+  if (report.no_network) log_warning(cat(arguments.input.string(), ": ", report.no_network->text()));
+  diagnose::log_findings(arguments.input.string(), report.findings);
   return {};
 }
 
