@@ -90,7 +90,11 @@ grep -Eq "receptive field px +-$" import.txt || fail "import: $(cat import.txt)"
 "$E2LF" video rec.raw -m et-net.safetensors -o attention-alone --window-us 10000 --from-us 120000 --to-us 150000 --threads 1 --quiet
 for number in 0 1 2; do cmp "attention/frame_00000$number.png" "attention-alone/frame_00000$number.png"; done
 
-# What does not fit.
+# What does nothing, and what does not fit.
+for option in "--edge both" "--channel 0" "--precision bfloat16" "--tone robust" "--full-scale 3 -m net.safetensors"; do
+  # shellcheck disable=SC2086 # the option and its value
+  fails 1 "${option%% *}" "$E2LF" video rec.raw -o x $option
+done
 fails 1 "e2lf video" "$E2LF" reconstruct rec.raw -m net.safetensors -o x
 fails 1 "e2lf reconstruct" "$E2LF" video rec.raw -m "$SOURCES/models/e2lf-n4.safetensors" -o x
 fails 2 "window-events" "$E2LF" video rec.raw -o x --window-us 5 --window-events 5

@@ -78,11 +78,7 @@ struct FrameMaker {
 Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recordings::RecordingInfo& info,
                                     RunRecord& record) {
   FrameMaker maker{info.height, info.width, static_cast<float>(arguments.full_scale)};
-  if (arguments.model.empty()) {
-    if (arguments.tone == "auto") return maker;
-    return fail(ErrorCode::kInvalidValue, "--tone",
-                "plain frames have a fixed tone; leave it out or give a model with -m");
-  }
+  if (arguments.model.empty()) return maker;
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(arguments.model));
   record.add_input(arguments.model, bytes);
   E2LF_ASSIGN_OR_RETURN(video::VideoModel model, video::decode_video_model(bytes, arguments.model.string()));
@@ -170,8 +166,30 @@ Json report_json(const VideoArguments& arguments, const VideoReport& report, con
   return json;
 }
 
+/// Fails if an option would do nothing.
+Result<void> check_uses(const VideoArguments& arguments) {
+  const auto useless = [](const char* option, const char* needed) {
+    return fail(ErrorCode::kInvalidValue, option, "this has no effect ", needed, " or leave it out");
+  };
+  const VideoArguments usual;
+  if (!arguments.window_triggers) {
+    constexpr const char* kNeeded = "without triggers; give --window-triggers,";
+    if (arguments.window.edge != usual.window.edge) return useless("--edge", kNeeded);
+    if (arguments.window.channel) return useless("--channel", kNeeded);
+  }
+  if (arguments.model.empty()) {
+    constexpr const char* kNeeded = "on plain frames; give a model with -m,";
+    if (arguments.tone != usual.tone) return useless("--tone", kNeeded);
+    if (arguments.precision != usual.precision) return useless("--precision", kNeeded);
+  } else if (arguments.full_scale != usual.full_scale) {
+    return useless("--full-scale", "on the frames of a network; leave out -m,");
+  }
+  return {};
+}
+
 Result<void> make_video(const VideoArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
+  E2LF_RETURN_IF_ERROR(check_uses(arguments));
   cycles::WindowOptions options = window_options(arguments);
   E2LF_ASSIGN_OR_RETURN(ResultFolder output, open_output_folder(arguments.output, verb));
   RunRecord record(verb);
