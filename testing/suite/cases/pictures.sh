@@ -32,6 +32,8 @@ fails 2 '--aperture' "$E2LF" refocus "$lf" --disparity=0 --centre-row 1 -o x.png
 fails 2 'disparity' "$E2LF" refocus "$lf" -o x.png
 fails 1 'use .gif, .webm or .mp4' "$E2LF" animate "$lf" -o x.avi
 fails 1 "x.png" "$E2LF" animate "$lf" --path orbit -o x.png
+fails 1 '--from' "$E2LF" animate "$lf" --from 1 --to 2 -o x.gif
+fails 1 '--still' "$E2LF" animate "$lf" --path focus --still=1 -o x.gif
 fails 2 '--to' "$E2LF" animate "$lf" --path focus --from 1 -o x.gif
 fails 1 'exceeds the image of 64x48 px' "$E2LF" refocus "$lf" --disparity=0,1e30 -o x.png
 fails 1 'exceeds the image of 64x48 px' "$E2LF" animate "$lf" --still=-64 -o x.gif

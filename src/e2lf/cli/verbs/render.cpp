@@ -207,8 +207,16 @@ Result<film::Film> film_of(const AnimateArguments& arguments, const LightField& 
   return film;
 }
 
+Result<void> check_path(const AnimateArguments& arguments) {
+  const bool is_focus = arguments.path == "focus";
+  if (is_focus ? arguments.still == 0 : !arguments.from) return {};
+  return fail(ErrorCode::kInvalidValue, is_focus ? "--still" : "--from", "the path ", arguments.path, " does not use ",
+              is_focus ? "it" : "it and --to", "; choose another --path, or leave it out");
+}
+
 Result<void> animate(const AnimateArguments& arguments, const Verb& verb) {
   const CommonOptions& common = verb.common();
+  E2LF_RETURN_IF_ERROR(check_path(arguments));
   E2LF_ASSIGN_OR_RETURN(const film::FilmFormat format, film::film_format_of(arguments.output));
   E2LF_RETURN_IF_ERROR(pipeline::naming(arguments.output, film::check_film_support()));
   E2LF_ASSIGN_OR_RETURN(OutputFile output, open_output(arguments.output, verb));
