@@ -29,6 +29,11 @@ fi
 "$E2LF" info demo/events.npz --json >info.json
 [ "$(json info.json "(j['height'], j['width'])")" = "(64, 96)" ] || fail "info on the events"
 
+# The camera is the one that the model was trained for.
+"$E2LF" demo -m e2lf-n4-camera -o physical --width 96 --height 64 --json >physical.json
+check "$(json physical.json "j['psnr_db']") > 15"
+py -c 'import numpy as np; assert b"evk4-lcos" in np.load("physical/events.npz")["camera"].tobytes()'
+
 # A model without patterns has no camera to simulate.
 fails 1 "e2lf-n4-capture" "$E2LF" demo -m "$SOURCES/models/e2lf-n4-capture.safetensors" -o none
 absent none

@@ -84,8 +84,11 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   record.end_step("render");
 
   pipeline::SimulatedCamera camera{.codes = method.codes->codes, .seed = common.seed};
-  camera.profile.event_model = method.codes->event_model;
-  camera.profile.constants = method.codes->constants;
+  camera.profile = method.sensor();
+  if (!camera.profile.is_pixel()) {
+    camera.profile.event_model = method.codes->event_model;
+    camera.profile.constants = method.codes->constants;
+  }
   E2LF_ASSIGN_OR_RETURN(const capture::Measurement measured, pipeline::simulate_cycle(camera, scene, 0));
   const capture::EventImages& images = measured.events;
   record.end_step("simulate");
