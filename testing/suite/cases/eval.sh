@@ -48,6 +48,7 @@ grep -q "may be distances" told.txt || fail "$(cat told.txt)"
 [ ! -s told.txt ] || fail "$(cat told.txt)"
 fails 1 "disparity map" "$E2LF" eval demo/scene plain --true-disparity demo/events.npz
 fails 1 "NAME=PATH" "$E2LF" eval demo/scene --name bright
+fails 1 "--name once=plain" "$E2LF" eval demo/scene --name once=bright --name once=plain
 # What a verb does not take is sent to the verb that does.
 fails 1 "\`e2lf reconstruct\` computes a light field from them" "$E2LF" accumulate demo/events.npz -o x.npz
 fails 1 "\`e2lf simulate\` generates events from it" "$E2LF" accumulate demo/scene -o x.npz

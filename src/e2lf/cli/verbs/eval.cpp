@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf eval: comparison of a reconstruction with the ground truth
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -45,7 +46,12 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
     if (equals == 0 || equals == std::string::npos || equals + 1 == named.size()) {
       return fail(ErrorCode::kInvalidValue, cat("--name ", named), "a reconstruction with a name is written NAME=PATH");
     }
-    found.push_back({named.substr(0, equals), named.substr(equals + 1)});
+    const std::string name = named.substr(0, equals);
+    if (std::ranges::any_of(found, [&](const Candidate& other) { return other.name == name; })) {
+      return fail(ErrorCode::kInvalidValue, cat("--name ", named),
+                  "another reconstruction has this name; choose another");
+    }
+    found.push_back({name, named.substr(equals + 1)});
   }
   if (!found.empty()) return found;
   return fail(ErrorCode::kInvalidValue, "",
