@@ -188,6 +188,7 @@ mkdir foreign && echo mine >foreign/table.csv
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o foreign
 fails 1 "this folder was not written by e2lf compare" "$E2LF" compare c.json -o demo
 fails 1 "no results" "$E2LF" compare c.json -o out2 --merge foreign
+fails 1 "no results" "$E2LF" compare c.json -o out2 --merge demo
 [ "$(cat foreign/table.csv)" = mine ] || fail "a file of someone else was replaced"
 echo mine >one/notes.txt
 "$E2LF" compare more.json -o one --set seeds=[1,2] --quiet

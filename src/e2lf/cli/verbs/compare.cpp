@@ -83,7 +83,8 @@ Result<compare::ComparisonConfig> configuration(const CompareArguments& argument
 Result<void> take_over(const CompareArguments& arguments, const compare::Plan& plan,
                        const compare::ResultStore& store) {
   for (const fs::path& folder : arguments.merged) {
-    if (!is_our_record(folder / "run.json")) {
+    std::error_code ignored;
+    if (!is_our_record(folder / "run.json") || !fs::is_directory(folder / "results", ignored)) {
       return fail(ErrorCode::kNotFound, folder,
                   "the folder contains no results of `e2lf compare`; give the output folder of a comparison");
     }
