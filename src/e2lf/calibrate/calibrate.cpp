@@ -80,8 +80,8 @@ Result<void> check(const std::vector<StillScene>& scenes, const capture::Codes& 
     return fail(ErrorCode::kInvalidValue, "", "a calibration needs patterns that begin with black; use others");
   }
   if (!start.is_pixel()) {
-    return fail(ErrorCode::kInvalidValue, "", "the camera \"", start.name, "\" is of the event model ",
-                start.event_model, "; start with a camera of the model pixel");
+    return fail(ErrorCode::kInvalidValue, "", "the starting camera is of the event model ", start.event_model,
+                "; start with a camera of the model pixel");
   }
   return {};
 }
