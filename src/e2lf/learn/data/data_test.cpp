@@ -89,6 +89,18 @@ TEST(ViewsOf, AgreesWithTorchsSampling) {
   set_max_isa("").value();
 }
 
+TEST(ViewsOf, SkipsOnlyWhatIsNotCovered) {
+  torch::manual_seed(4);
+  Surface specks{
+      {.centre = 1.2, .slope_x = 0.02}, torch::rand({60, 60}), torch::rand({60, 60}).gt(0.98).to(torch::kFloat)};
+  const Surface wall{{.centre = -0.4}, torch::rand({60, 60}), {}};
+  for (const bool has_relief : {false, true}) {
+    if (has_relief) specks.relief = torch::linspace(-1.5, 1.5, 60).expand({60, 60}).contiguous();
+    const auto difference = views_of({wall, specks}, 40) - views_of_reference({wall, specks}, 40);
+    EXPECT_LT(difference.abs().max().item<float>(), 2e-3F) << has_relief;
+  }
+}
+
 TEST(ViewsOf, SurfacesBesideTheContractAreRefused) {
   const auto map = torch::rand({20, 20});
   EXPECT_THROW((void)views_of({}, 8), ContractError);

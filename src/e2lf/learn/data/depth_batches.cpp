@@ -228,7 +228,7 @@ DepthBatch DepthBatches::at(uint64_t step, Share share) {
   result.central = light_field.select(1, kCentre) / 255.0;
   light_field.mul_((result.gain / 255.0).reshape({-1, 1, 1, 1}));
   torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step) + static_cast<uint64_t>(share.rank));
-  result.events = simulate_cycles(light_field.contiguous(), result.codes, result.constants,
+  result.events = simulate_cycles(light_field, result.codes, result.constants,
                                   conditions.residue.narrow(0, first, length), result.cycles);
   return result;
 }

@@ -92,6 +92,20 @@ torch::Tensor interleave(const Surface& surface) {
   return at::replication_pad2d(maps, {border, border, border, border})[0].permute({1, 2, 0}).contiguous();
 }
 
+/// Returns MappedPlane::may_cover of a surface: whether one of the taps around a position has coverage. A relief moves
+/// the position.
+torch::Tensor where_it_may_cover(const Surface& surface) {
+  int64_t reach = 0;
+  if (surface.relief.defined()) {
+    reach = 1 + static_cast<int64_t>(std::ceil(kCentralView * surface.relief.abs().max().item<double>()));
+  }
+  constexpr auto border = static_cast<int64_t>(kMapBorder);
+  const auto padded = at::replication_pad2d(surface.coverage.unsqueeze(0), {border, border, border, border});
+  const int64_t taps = 4 + 2 * reach;
+  const auto across = at::max_pool2d(padded, {1, taps}, {1, 1}, {0, reach});
+  return at::max_pool2d(across, {taps, 1}, {1, 1}, {reach, 0})[0].gt(0).to(torch::kByte).contiguous();
+}
+
 torch::Tensor render_views(const std::vector<Surface>& surfaces, int64_t size) {
   std::vector<torch::Tensor> maps;
   std::vector<MappedPlane> planes;
@@ -99,6 +113,9 @@ torch::Tensor render_views(const std::vector<Surface>& surfaces, int64_t size) {
     E2LF_REQUIRE(!surface.relief.defined() || surface.relief.is_contiguous(), "reliefs are contiguous");
     planes.push_back({surface.plane, maps.emplace_back(interleave(surface)).data_ptr<float>(),
                       surface.relief.defined() ? surface.relief.data_ptr<float>() : nullptr});
+    if (surface.coverage.defined()) {
+      planes.back().may_cover = maps.emplace_back(where_it_may_cover(surface)).data_ptr<uint8_t>();
+    }
   }
   const auto side = static_cast<size_t>(surfaces.front().brightness.size(0)), pixels = static_cast<size_t>(size);
   auto views = torch::empty({kViewsPerSide * kViewsPerSide, size, size});

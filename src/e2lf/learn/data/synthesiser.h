@@ -60,6 +60,9 @@ struct MappedPlane {
   Plane plane;
   const float* maps = nullptr;
   const float* relief = nullptr;  ///< [side, side], or null
+  /// Whether a ray may be covered, by where it meets the plane: [side + kMapBorder, side + kMapBorder], from one px
+  /// before the maps; null if rays are covered everywhere.
+  const uint8_t* may_cover = nullptr;
 };
 
 /// Renders one view [size, size] of planes that are ordered back to front. Each pixel is composed front to back until

@@ -99,6 +99,14 @@ HWY_INLINE uint32_t in_steps(float position, float side) {
   return static_cast<uint32_t>((std::clamp(position, -1.0F, side) + 1.0F) * kSteps + 0.5F);
 }
 
+/// Returns whether a ray that meets the plane at a position may be covered.
+HWY_INLINE bool may_cover(const MappedPlane& plane, size_t side, const Position& at) {
+  if (plane.may_cover == nullptr) return true;
+  const auto last = static_cast<float>(side);
+  const size_t row = in_steps(at.y, last) / kSteps + 1, column = in_steps(at.x, last) / kSteps + 1;
+  return plane.may_cover[row * (side + kMapBorder) + column] != 0;
+}
+
 HWY_INLINE Sample sample(const float* maps, size_t side, const WeightTable& table, float y, float x) {
   const hn::CappedTag<float, kTaps> d;
   const uint32_t from_top = in_steps(y, static_cast<float>(side)), from_left = in_steps(x, static_cast<float>(side));
@@ -128,6 +136,7 @@ void RenderView(std::span<const MappedPlane> planes, size_t side, const ViewPoin
       for (size_t i = planes.size(); i-- > 0 && through > kHidden;) {
         const RowOfRays& ray = rays[i];
         Position met{ray.y + at * ray.step_y, ray.x + at * ray.step_x};
+        if (!may_cover(planes[i], side, met)) continue;
         if (planes[i].relief != nullptr) met = meet_relief(planes[i].relief, side, from, met);
         const Sample seen = sample(planes[i].maps, side, table, met.y, met.x);
         const float coverage = std::clamp(seen.coverage, 0.0F, 1.0F);
