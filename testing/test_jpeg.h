@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <vector>
 // jpeglib.h needs size_t and FILE to be declared first.

@@ -2,7 +2,6 @@
 // e2lf-bench rig: light field -> events -> RAW -> events -> event images -> light field
 #include <chrono>
 #include <cstdio>
-#include <numeric>
 
 #include "bench/program/parts.h"
 #include "e2lf/base/text.h"

@@ -4,7 +4,6 @@
 #include <optional>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
-#include <vector>
 
 #include "e2lf/base/strided_view.h"
 #include "e2lf/capture/measurement/measurement.h"

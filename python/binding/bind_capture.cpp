@@ -2,7 +2,6 @@
 // Binds the module capture to Python.
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
-#include <sstream>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Binds the module eval to Python.
-#include <algorithm>
 #include <cmath>
 #include <pybind11/stl.h>
 #include <span>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The target of light fields in one file: the input is one. Which kind (MATLAB, HDF5, npy, npz, lenslet mosaic) is up
 // to the seeds.
-#include <cmath>
 
 #include "e2lf/lightfield/light_field_io.h"
 #include "require.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/base/result.h"
 
-#include <utility>
-
 #include "e2lf/base/choice.h"
 
 namespace e2lf {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/base/rng.h"
 
-#include <algorithm>
-#include <cmath>
 #include <gtest/gtest.h>
 #include <set>
 

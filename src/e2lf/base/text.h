@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cerrno>
+#include <charconv>
 #include <cstddef>
 #include <cstring>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -23,6 +25,14 @@ template <typename... Args>
 
 /// Joins the parts with the separator between them: "a, b, c".
 [[nodiscard]] std::string join(const std::vector<std::string>& parts, std::string_view separator = ", ");
+
+/// Parses the whole text as a number; returns nothing for any other text.
+template <typename T>
+[[nodiscard]] std::optional<T> parse_number(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
 
 /// Returns the text with the letters A to Z in lower case, independently of the locale.
 [[nodiscard]] std::string lower_case(std::string_view text);

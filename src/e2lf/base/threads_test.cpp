@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <gtest/gtest.h>
-#include <mutex>
 #include <stdexcept>
 #include <vector>
 

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "e2lf/base/text.h"
-#include "e2lf/calibrate/fit.h"
 
 namespace e2lf::calibrate {
 namespace {
@@ -234,7 +233,6 @@ std::vector<std::string> warnings_of(const std::vector<Parameter>& parameters, c
   return warnings;
 }
 
-/// Stores the uncertainty of the constants in the camera.
 void note_uncertainty(const std::vector<Parameter>& parameters, const Eigen::VectorXd& deviation,
                       capture::SensorProfile& camera) {
   for (size_t i = 0; i < parameters.size(); ++i) {

@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <map>
 
-#include "e2lf/base/threads.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "testing/test_still_scenes.h"
 
 namespace e2lf::calibrate {

@@ -232,7 +232,6 @@ class Fitter {
     return result;
   }
 
-  /// Returns the misfit of the model beyond chance.
   [[nodiscard]] Misfit misfit_beyond_chance(const Model& model) const {
     double weighted = 0.0, full = 0.0, freedom = -static_cast<double>(parameters_.size()), samples = 0.0;
     std::set<size_t> rows;

@@ -28,7 +28,6 @@ struct MomentSum {
       : mean(Eigen::VectorXd::Zero(transitions)), covariance(Eigen::MatrixXd::Zero(transitions, transitions)) {}
 };
 
-/// Adds the moments of a histogram.
 template <typename Value>
 void add_moments(std::span<const Value> histogram, double weight, MomentSum& to) {
   const auto transitions = static_cast<size_t>(to.mean.size());

@@ -54,8 +54,7 @@ Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::ve
     const auto is_this = [channel = channel, id = id](const std::string& name) {
       return name == channel_name(channel) || name == cat(id);
     };
-    const bool is_on =
-        wanted.empty() ? channel != Channel::Loopback : std::any_of(wanted.begin(), wanted.end(), is_this);
+    const bool is_on = wanted.empty() ? channel != Channel::Loopback : std::ranges::any_of(wanted, is_this);
     if (!is_on) continue;
     if (triggers->enable(channel) && triggers->is_enabled(channel)) continue;
     const Error refusal =
@@ -64,7 +63,7 @@ Result<void> switch_on_triggers(Metavision::I_TriggerIn* triggers, const std::ve
     log_warning(refusal.text());  // the user did not request this setting
   }
   for (const std::string& name : wanted) {
-    const bool is_known = name == "none" || std::any_of(channels.begin(), channels.end(), [&](const auto& known) {
+    const bool is_known = name == "none" || std::ranges::any_of(channels, [&](const auto& known) {
                             return name == channel_name(known.first) || name == cat(known.second);
                           });
     if (!is_known) return has_no(cat("trigger input ", name, " among ", channels_text(channels)));
@@ -179,8 +178,7 @@ Result<void> set_up_device(Metavision::Device& device, const CameraSetup& setup)
   if (!setup.biases.empty()) {
     auto* const biases = device.get_facility<Metavision::I_LL_Biases>();
     if (biases == nullptr) return has_no("biases");
-    std::error_code error;
-    if (!fs::is_regular_file(setup.biases, error)) {
+    if (!is_file(setup.biases)) {
       return fail(ErrorCode::kNotFound, setup.biases, "there is no such file of biases; check the path");
     }
     try {

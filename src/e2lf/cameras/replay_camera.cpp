@@ -15,7 +15,6 @@
 #include "e2lf/cameras/cameras.h"
 #include "e2lf/recordings/codecs/prophesee_raw/evt3/evt3_decoder.h"
 #include "e2lf/recordings/codecs/prophesee_raw/stream/raw_header.h"
-#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
 namespace {

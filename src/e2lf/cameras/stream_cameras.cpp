@@ -16,7 +16,6 @@
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cameras/cameras.h"
-#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::cameras {
 namespace {

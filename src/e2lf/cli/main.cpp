@@ -49,15 +49,12 @@ int run_verb(const std::vector<std::string>& arguments) {
   return run_subverb("", verbs, arguments);
 }
 
-/// Prints the version, the features of this build, and the instruction set that the kernels use on this processor.
-int print_version() {
-  std::printf("e2lf %s\n%sinstructions: %s\n", e2lf::info::kVersion, kFeatures, e2lf::current_isa().c_str());
-  return 0;
-}
-
 int run(const std::vector<std::string>& arguments) {
   const std::string first = arguments.empty() ? "" : arguments.front();
-  if (first == "--version" || first == "version") return print_version();
+  if (first == "--version" || first == "version") {
+    std::printf("e2lf %s\n%sinstructions: %s\n", e2lf::info::kVersion, kFeatures, e2lf::current_isa().c_str());
+    return 0;
+  }
   if (first != "complete") return run_verb(arguments);
   // Not in the list of verbs, because only completion.bash uses it.
   set_completing();

@@ -171,8 +171,7 @@ Result<lightfield::LightField> run_external(const std::vector<std::string>& comm
   words.insert(words.end(), {input.string(), output.string()});
   E2LF_ASSIGN_OR_RETURN(const pid_t child, start(std::move(words)));
   E2LF_RETURN_IF_ERROR(wait_for(child, command.front()));
-  std::error_code error;
-  if (!fs::exists(output, error)) {
+  if (!is_present(output)) {
     return fail(ErrorCode::kNotFound, command.front(),
                 "the program wrote no light field; write it to the last argument as .npy, float32 [8, 8, y, x]");
   }

@@ -7,11 +7,11 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/model/model.h"
 #include "e2lf/pipeline/method.h"
-#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/video/video_model.h"
 
 namespace e2lf::compare {
@@ -20,11 +20,6 @@ namespace {
 
 /// Must be increased when the arithmetic behind a result changes within a version.
 constexpr int kComputation = 3;
-
-bool is_folder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error);
-}
 
 /// Reads patterns from a model file, from a file of codes, or from the folder of the release.
 Result<capture::Codes> read_any_codes(const fs::path& path) {
@@ -110,8 +105,7 @@ class Planner {
     Json identity = Json::array();
     for (std::string& word : command) {
       const fs::path path = environment_.locate(word).value_or(word);
-      std::error_code error;
-      if (!fs::is_regular_file(path, error)) {
+      if (!is_file(path)) {
         identity.push_back(word);
         continue;
       }
@@ -178,7 +172,7 @@ class Planner {
   Result<std::vector<ComparedScene>> find_scenes(const std::string& name, const GroupConfig& group) {
     std::vector<ComparedScene> scenes;
     if (name == "demo" || name.starts_with("demo:")) {
-      const auto seed = recordings::parse_number<uint64_t>(name == "demo" ? "1" : name.substr(5));
+      const auto seed = parse_number<uint64_t>(name == "demo" ? "1" : name.substr(5));
       if (!seed) return fail(ErrorCode::kInvalidValue, group.name, "\"", name, "\" has no number; write e.g. demo:2");
       scenes.push_back({name, {}, seed, group, {}});
       return scenes;
@@ -193,12 +187,10 @@ class Planner {
     }
     E2LF_ASSIGN_OR_RETURN(const fs::path folder, environment_.locate(path.parent_path().string()));
     std::vector<fs::path> found;
-    std::error_code error;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-      const std::string file = entry->path().filename().string();
-      if (!file.starts_with('.') && ::fnmatch(last.c_str(), file.c_str(), 0) == 0) found.push_back(entry->path());
+    for (const fs::path& each : paths_in(folder)) {
+      const std::string file = each.filename().string();
+      if (!file.starts_with('.') && ::fnmatch(last.c_str(), file.c_str(), 0) == 0) found.push_back(each);
     }
-    std::sort(found.begin(), found.end());
     if (found.empty()) return fail(ErrorCode::kNotFound, name, "no scene matches this name; correct it");
     for (const fs::path& each : found) {
       plan_.files.push_back(each);

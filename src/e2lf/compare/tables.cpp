@@ -206,12 +206,6 @@ Json all_json(const Plan& plan, const Results& results) {
 
 namespace {
 
-/// Returns the number of the job of a method on a scene with the first seed.
-size_t first_job(const Plan& plan, size_t method, size_t scene, size_t sensor) {
-  const auto is_it = [&](const Job& job) { return job.method == method && job.scene == scene && job.sensor == sensor; };
-  return static_cast<size_t>(std::find_if(plan.jobs.begin(), plan.jobs.end(), is_it) - plan.jobs.begin());
-}
-
 void add_pictures(const Plan& plan, const Results& results, const ResultStore& store, size_t sensor,
                   report::Page& page) {
   page.heading("Pictures", 3)
@@ -223,11 +217,14 @@ void add_pictures(const Plan& plan, const Results& results, const ResultStore& s
     if (truth.empty()) continue;
     std::vector<report::Picture> pictures = {{truth, "truth"}};
     for (size_t method = 0; method < plan.methods.size(); ++method) {
-      const size_t job = first_job(plan, method, scene, sensor);
-      if (job == plan.jobs.size() || !results[job]) continue;
-      std::vector<uint8_t> png = store.picture(plan.jobs[job].key);
+      const auto job = std::ranges::find_if(plan.jobs, [&](const Job& each) {  // with the first seed
+        return each.method == method && each.scene == scene && each.sensor == sensor;
+      });
+      const auto number = static_cast<size_t>(job - plan.jobs.begin());
+      if (job == plan.jobs.end() || !results[number]) continue;
+      std::vector<uint8_t> png = store.picture(job->key);
       if (png.empty()) continue;
-      const Json psnr = results[job]->value("psnr_db", Json());
+      const Json psnr = results[number]->value("psnr_db", Json());
       pictures.push_back(
           {std::move(png), cat(plan.methods[method].config.name,
                                psnr.is_number() ? cat(", ", report::tick_text(psnr.get<double>(), 2), " dB") : "")});

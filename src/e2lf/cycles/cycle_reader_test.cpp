@@ -10,7 +10,6 @@
 
 #include "e2lf/capture/measurement/hot_pixels.h"
 #include "e2lf/capture/patterns/codes.h"
-#include "e2lf/cycles/schedule.h"
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/recordings/event_blocks.h"
 #include "testing/chunked_source.h"

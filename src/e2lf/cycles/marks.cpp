@@ -71,10 +71,6 @@ EventHistogram::Counts EventHistogram::count(int64_t begin_us, int64_t end_us) c
   return sum;
 }
 
-void EventHistogram::forget_before(int64_t t_us) {
-  bins_.erase(bins_.begin(), bins_.lower_bound(t_us));
-}
-
 float change_confidence(const EventHistogram& histogram, int64_t t_us, int64_t window_us, BurstSign sign) {
   const RateStep step = rate_step(histogram, EventHistogram::bin_of(t_us), window_us);
   if (step.rise() <= 0) return 0.0F;

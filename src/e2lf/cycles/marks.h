@@ -51,7 +51,7 @@ class EventHistogram {
   void add(const recordings::EventColumns& events, size_t begin, size_t end);
   /// Returns the counts of the bins with begin_us <= start < end_us.
   [[nodiscard]] Counts count(int64_t begin_us, int64_t end_us) const;
-  void forget_before(int64_t t_us);
+  void forget_before(int64_t t_us) { bins_.erase(bins_.begin(), bins_.lower_bound(t_us)); }
 
  private:
   std::map<int64_t, Counts> bins_;  ///< keys are the starts of the bins

@@ -2,7 +2,6 @@
 #include "e2lf/cycles/schedule.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include "e2lf/base/choice.h"
 #include "e2lf/base/text.h"
@@ -31,12 +30,12 @@ int64_t Schedule::cycle_us() const {
 
 size_t Schedule::first_image_pattern() const {
   const auto is_first = [](const ScheduledPattern& pattern) { return pattern.image == size_t{0}; };
-  return static_cast<size_t>(std::find_if(patterns.begin(), patterns.end(), is_first) - patterns.begin());
+  return static_cast<size_t>(std::ranges::find_if(patterns, is_first) - patterns.begin());
 }
 
 size_t Schedule::first_of_cycle() const {
   const auto has_image = [](const ScheduledPattern& pattern) { return pattern.image.has_value(); };
-  const auto first = std::find_if(patterns.begin(), patterns.end(), has_image);
+  const auto first = std::ranges::find_if(patterns, has_image);
   return first == patterns.end() || first->image == size_t{0} ? 0 : first_image_pattern() % size();
 }
 
@@ -151,11 +150,9 @@ Result<ShownPattern> shown_pattern(std::string name, size_t num_codes) {
   shown.is_inverse = name.starts_with(prefix);
   std::string rest = shown.is_inverse ? name.substr(prefix.size()) : name;
   if (rest == "black") rest = "a1";
-  size_t number = 0;
-  const char* const end = rest.data() + rest.size();
-  const bool is_code = rest.starts_with('a') && std::from_chars(rest.data() + 1, end, number).ptr == end;
-  if (is_code && number >= 1 && number <= num_codes) {
-    shown.code = number - 1;
+  const auto number = rest.starts_with('a') ? parse_number<size_t>(rest.substr(1)) : std::nullopt;
+  if (number && *number >= 1 && *number <= num_codes) {
+    shown.code = *number - 1;
     return shown;
   }
   return fail(ErrorCode::kInvalidValue, "", "the schedule's pattern \"", name,

@@ -63,7 +63,6 @@ void mean_of_similar(const Lines& lines, size_t count, float* mean) {
   }
 }
 
-/// Computes the means along rows.
 void mean_along_rows(const float* view, size_t height, size_t width, float* mean) {
   std::vector<float> padded(width + 2 * kRadius);
   Lines lines;

@@ -42,7 +42,7 @@ std::vector<Pair> pairs_within(const Image& estimate, const Image& confidence, c
 }
 
 double bad_percent(const std::vector<Pair>& pairs, double most_px) {
-  const auto bad = std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) { return pair.error() > most_px; });
+  const auto bad = std::ranges::count_if(pairs, [&](const Pair& pair) { return pair.error() > most_px; });
   return kPercent * static_cast<double>(bad) / static_cast<double>(pairs.size());
 }
 
@@ -72,8 +72,7 @@ double regression_slope(const std::vector<Pair>& pairs) {
 
 /// Returns the errors of growing parts of the pixels, from the most certain ones on.
 std::vector<ErrorPart> parts_of(std::vector<Pair> pairs) {
-  std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const Pair& a, const Pair& b) { return a.confidence > b.confidence; });
+  std::ranges::stable_sort(pairs, [](const Pair& a, const Pair& b) { return a.confidence > b.confidence; });
   std::vector<ErrorPart> parts;
   double bad = 0, sum = 0, finite = 0;
   size_t i = 0;
@@ -106,7 +105,7 @@ Result<DisparityError> compare(const Image& estimate, const Image& confidence, c
                 " px; use a narrower border");
   }
   const std::vector<Pair> pairs = pairs_within(estimate, confidence, truth, border);
-  if (std::none_of(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.is_finite(); })) {
+  if (std::ranges::none_of(pairs, [](const Pair& pair) { return pair.is_finite(); })) {
     return fail(ErrorCode::kInvalidValue, "",
                 "no pixel has both a finite disparity and a finite true one; check the maps");
   }
@@ -140,8 +139,7 @@ Result<Image> read_disparity(const fs::path& path) {
 
 std::optional<fs::path> find_true_disparity(const fs::path& scene) {
   for (const char* name : {"gt_disparity.npy", "gt_disp_lowres.pfm"}) {
-    std::error_code error;
-    if (fs::is_regular_file(scene / name, error)) return scene / name;
+    if (is_file(scene / name)) return scene / name;
   }
   return std::nullopt;
 }

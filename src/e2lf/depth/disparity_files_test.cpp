@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/depth/disparity_files.h"
 
-#include <algorithm>
 #include <cstring>
 #include <gtest/gtest.h>
-#include <string>
 
 namespace e2lf::depth {
 namespace {

@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "e2lf/base/text.h"
@@ -139,7 +137,7 @@ Image colour_picture(const Image& disparity, const DisparityRange& range) {
 Image picture_with_scale(const Image& disparity, const DisparityRange& range) {
   const Legend legend(range, disparity.height);
   Image canvas(disparity.width + 2 * legend.gap() + legend.width(), std::max(disparity.height, legend.height()), 3);
-  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
+  std::ranges::fill(canvas.pixels, 1.0F);
   paste(colour_picture(disparity, range), 0, 0, canvas);
   legend.draw(canvas, disparity.width + legend.gap());
   return canvas;
@@ -149,7 +147,7 @@ DisparityRange shown_range(const Image& disparity) {
   std::vector<float> sorted = disparity.pixels;
   std::erase_if(sorted, [](float value) { return !std::isfinite(value); });
   if (sorted.empty()) return {};
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   const size_t last = sorted.size() - 1, few = last / 100;
   return {sorted[few], sorted[last - few]};
 }

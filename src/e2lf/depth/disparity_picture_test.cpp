@@ -2,7 +2,6 @@
 #include "e2lf/depth/disparity_picture.h"
 
 #include <algorithm>
-#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/depth/plane_fit.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
-
-#include "e2lf/depth/matching_cost.h"
 
 namespace e2lf::depth {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/text.h"
-#include "e2lf/engine/row_memory.h"
 #include "e2lf/engine/winograd.h"
 #include "testing/test_networks.h"
 

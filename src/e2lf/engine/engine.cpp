@@ -145,10 +145,6 @@ Result<void> Engine::run_frame(std::span<const float> input, size_t height, size
   return {};
 }
 
-Precision Engine::precision() const {
-  return precision_;
-}
-
 std::vector<std::string> Engine::describe() const {
   if (device_) return device_->describe();
   std::vector<std::string> lines;

@@ -72,7 +72,7 @@ class Engine {
   [[nodiscard]] std::optional<Engine> with_outputs(std::vector<size_t> channels) const;
 
   /// Returns the precision in use, to which kAuto was resolved.
-  [[nodiscard]] Precision precision() const;
+  [[nodiscard]] Precision precision() const { return precision_; }
 
   /// Returns one line per layer with the kernel chosen for it, for logs and benchmarks.
   [[nodiscard]] std::vector<std::string> describe() const;

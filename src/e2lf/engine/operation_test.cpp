@@ -6,7 +6,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/threads.h"
 #include "testing/engine_reference.h"
 #include "testing/engine_runs.h"
 #include "testing/test_networks.h"

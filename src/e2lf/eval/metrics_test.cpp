@@ -4,7 +4,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
-#include <vector>
 
 #include "e2lf/base/rng.h"
 #include "e2lf/base/threads.h"

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;
@@ -72,10 +73,9 @@ bool add_data_folder(std::string path) {
 }
 
 std::optional<fs::path> bundled_file(const std::string& path) {
-  std::error_code error;
-  if (const fs::path place = place_of_caller(path); fs::exists(place, error)) return place.lexically_normal();
+  if (const fs::path place = place_of_caller(path); is_present(place)) return place.lexically_normal();
   for (const fs::path& folder : data_folders()) {
-    if (fs::exists(folder / path, error)) return (folder / path).lexically_normal();
+    if (is_present(folder / path)) return (folder / path).lexically_normal();
   }
   return std::nullopt;
 }
@@ -86,13 +86,10 @@ std::optional<fs::path> bundled_model() {
 
 std::vector<std::string> bundled_names(const BundledKind& kind) {
   std::vector<std::string> names;
-  const auto folder = bundled_file(kind.folder);
-  std::error_code error;
-  if (!folder) return names;
-  for (fs::directory_iterator entry(*folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().extension() == kind.extension) names.push_back(entry->path().stem().string());
+  for (const fs::path& path : paths_in(bundled_file(kind.folder).value_or(""))) {
+    if (path.extension() == kind.extension) names.push_back(path.stem().string());
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -108,10 +105,9 @@ std::string shown_name(const BundledKind& kind, const fs::path& path) {
 }
 
 Result<fs::path> find_file_or_bundled(const BundledKind& kind, const std::string& name) {
-  std::error_code error;
-  if (fs::is_regular_file(name, error)) return fs::path(name);
+  if (is_file(name)) return fs::path(name);
   if (auto bundled = bundled_file_named(kind, name)) return std::move(*bundled);
-  if (fs::exists(name, error)) return fs::path(name);
+  if (is_present(name)) return fs::path(name);
   const std::vector<std::string> names = bundled_names(kind);
   const std::string remedy =
       names.empty() ? "give its path: the files of e2lf were not found, whose folder models E2LF_MODELS names"

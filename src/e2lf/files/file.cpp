@@ -117,8 +117,7 @@ Result<void> write_file(const fs::path& path, const std::string& text) {
 }
 
 Result<void> check_output(const fs::path& path, bool overwrite) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) {
+  if (is_folder(path)) {
     return fail(ErrorCode::kExists, path, "the output is a file, and a folder has this name; choose another");
   }
   if (!overwrite && !is_stream(path) && is_there(path)) {
@@ -160,10 +159,6 @@ namespace {
 constexpr char kLock[] = "e2lf.lock";
 constexpr char kLive[] = "e2lf.live";  ///< marks a workspace whose content cannot be created again
 constexpr size_t kLongestStem = 200;   ///< in bytes; file systems allow 255 for a name
-
-fs::path folder_of(const fs::path& target) {
-  return target.has_parent_path() ? target.parent_path() : fs::path(".");
-}
 
 /// Returns the common beginning of the names of all workspaces of a target.
 std::string stem_of(const fs::path& target) {
@@ -207,14 +202,10 @@ Descriptor open_lock(const fs::path& workspace, int flags) {
 /// Removes the abandoned workspaces of a target, but for those of live input. Fails if one is in use.
 Result<void> clear_dead(const fs::path& target) {
   const std::string stem = stem_of(target);
-  std::vector<fs::path> found;
   std::error_code error;
-  for (fs::directory_iterator entry(folder_of(target), error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code ignored;
-    if (!is_workspace_name(entry->path().filename().string(), stem)) continue;
-    if (fs::is_directory(entry->symlink_status(ignored))) found.push_back(entry->path());
-  }
-  for (const fs::path& workspace : found) {
+  for (const fs::path& workspace : paths_in(folder_of(target))) {
+    if (!is_workspace_name(workspace.filename().string(), stem)) continue;
+    if (!fs::is_directory(fs::symlink_status(workspace, error))) continue;
     const Descriptor lock = open_lock(workspace, 0);
     if (!lock.is_open()) continue;  // a folder of that name that is not a workspace
     if (!lock.locks(LOCK_EX | LOCK_NB)) {
@@ -226,7 +217,7 @@ Result<void> clear_dead(const fs::path& target) {
       return fail(ErrorCode::kExists, target, "another run is writing this output (in ", name,
                   "); wait for it or choose another output");
     }
-    if (fs::exists(workspace / kLive, error)) {
+    if (is_present(workspace / kLive)) {
       log_warning(
           cat(workspace.string(),
               ": an interrupted run left its data of a live input here; move them, e.g. to recovered.npz, and read ",
@@ -246,17 +237,41 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, error));
 }
 
-void remove_dead_parts(const fs::path& folder) {
-  std::vector<fs::path> found;
+bool is_present(const fs::path& path) {
+  std::error_code error;
+  return fs::exists(path, error);
+}
+
+bool is_file(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+std::vector<fs::path> paths_in(const fs::path& folder) {
+  std::vector<fs::path> paths;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code ignored;
-    const std::string name = entry->path().filename().string();
-    const std::string target = entry->path().stem().stem().stem().string();
-    const bool is_part = !target.empty() && is_workspace_name(name, target + ".");
-    if (is_part && fs::is_regular_file(entry->symlink_status(ignored))) found.push_back(entry->path());
+    paths.push_back(entry->path());
   }
-  for (const fs::path& part : found) {
+  std::ranges::sort(paths);
+  return paths;
+}
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+void remove_dead_parts(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::path& part : paths_in(folder)) {
+    const std::string target = part.stem().stem().stem().string();
+    if (target.empty() || !is_workspace_name(part.filename().string(), target + ".")) continue;
+    if (!fs::is_regular_file(fs::symlink_status(part, error))) continue;
     const Descriptor lock(::open(part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
     if (!lock.is_open() || !lock.locks(LOCK_EX | LOCK_NB)) continue;
     fs::remove(part, error);

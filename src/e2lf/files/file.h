@@ -94,6 +94,17 @@ class Workspace {
 /// Returns true if something has this name, be it a link to nothing.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);
 
+/// Return whether a path leads to anything, to a regular file, and to a folder. What cannot be looked at is not there.
+[[nodiscard]] bool is_present(const std::filesystem::path& path);
+[[nodiscard]] bool is_file(const std::filesystem::path& path);
+[[nodiscard]] bool is_folder(const std::filesystem::path& path);
+
+/// Returns the paths of what a folder contains, sorted; fewer or none if it cannot be listed.
+[[nodiscard]] std::vector<std::filesystem::path> paths_in(const std::filesystem::path& folder);
+
+/// Returns the folder in which a path lies, "." for a plain name.
+[[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& path);
+
 /// Removes the temporary files in a folder that were left by calls of write_file() in processes that have ended.
 void remove_dead_parts(const std::filesystem::path& folder);
 

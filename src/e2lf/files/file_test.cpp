@@ -2,7 +2,6 @@
 #include "e2lf/files/file.h"
 
 #include <csignal>
-#include <fstream>
 #include <future>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -100,10 +100,6 @@ Error truncated(const std::string& location) {
   return fail(ErrorCode::kTruncated, location, "the MATLAB file ends before its data does; copy it again");
 }
 
-Error big_endian(const std::string& location) {
-  return fail(ErrorCode::kUnsupported, location, "a big-endian MATLAB file; save it on a little-endian machine");
-}
-
 Error damaged(const std::string& location) {
   return fail(ErrorCode::kFormat, location, "the MATLAB file is damaged; copy or save it again");
 }
@@ -151,7 +147,9 @@ Result<MatArray> open_compressed(const Element& element, std::span<const uint8_t
 Result<MatArray> find_mat_array(std::span<const uint8_t> bytes, const std::string& name, uint64_t max_bytes,
                                 const std::string& location, std::vector<std::string>& others) {
   if (bytes.size() < kHeaderBytes) return truncated(location);
-  if (bytes[kByteOrderAt] != 'I') return big_endian(location);
+  if (bytes[kByteOrderAt] != 'I') {
+    return fail(ErrorCode::kUnsupported, location, "a big-endian MATLAB file; save it on a little-endian machine");
+  }
   std::span<const uint8_t> rest = bytes.subspan(kHeaderBytes);
   while (!rest.empty()) {
     const auto element = take_element(rest);

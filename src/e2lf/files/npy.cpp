@@ -6,7 +6,6 @@
 #include <cstring>
 #include <functional>
 #include <numeric>
-#include <string_view>
 
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"

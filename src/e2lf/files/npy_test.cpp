@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "e2lf/base/result.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "testing/test_files.h"

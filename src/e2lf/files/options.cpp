@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <charconv>
 
-#include "e2lf/base/text.h"
-
 namespace e2lf {
 
 Json json_number(float value) {

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 
 namespace e2lf {
@@ -46,11 +45,10 @@ Result<fs::path> resolve(const fs::path& named) {
 /// Fails if a name is that of the record of another existing file or folder, as which the output would be read.
 Result<void> check_not_a_record(const fs::path& path) {
   const std::string name = path.filename().string(), record_end = record_path_beside("").string();
-  std::error_code error;
   fs::path owner;
   if (name.ends_with(record_end) && name.size() > record_end.size()) {
     owner = path.parent_path() / name.substr(0, name.size() - record_end.size());
-    if (!fs::is_regular_file(owner, error)) owner.clear();
+    if (!is_file(owner)) owner.clear();
   }
   if (name == "run.json" && is_our_record(path)) owner = path.parent_path();
   if (owner.empty()) return {};
@@ -79,14 +77,9 @@ Result<void> check_folder_name(const fs::path& path) {
                                          ".onnx", ".pfm",  ".ply",  ".png",  ".raw", ".safetensors", ".svg",
                                          ".tif",  ".tiff", ".txt",  ".webm", ".zip"};
   const std::string extension = path.extension().string();
-  if (is_there(path) || std::find(std::begin(kFiles), std::end(kFiles), extension) == std::end(kFiles)) return {};
+  if (is_there(path) || std::ranges::find(kFiles, extension) == std::end(kFiles)) return {};
   return fail(ErrorCode::kInvalidValue, path, "the output is a folder, and a name that ends in ", extension,
               " is that of a file; give a folder");
-}
-
-Result<void> check_ending(const fs::path& path, const std::string& ending) {
-  if (ending.empty() || path.extension() == ending) return {};
-  return fail(ErrorCode::kInvalidValue, path, "this output is written as ", ending, "; give it such a name");
 }
 
 }  // namespace
@@ -134,10 +127,9 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
     }
     // A pipe that the same program reads and writes never ends.
     std::error_code error;
-    const bool is_read =
-        fs::is_fifo(named, error) && std::any_of(rules.inputs.begin(), rules.inputs.end(), [&](const fs::path& input) {
-          return fs::weakly_canonical(named, error) == fs::weakly_canonical(input, error);
-        });
+    const bool is_read = fs::is_fifo(named, error) && std::ranges::any_of(rules.inputs, [&](const fs::path& input) {
+                           return fs::weakly_canonical(named, error) == fs::weakly_canonical(input, error);
+                         });
     if (is_read) {
       return fail(ErrorCode::kInvalidValue, named, "the output is the pipe that is read; choose another");
     }
@@ -145,7 +137,9 @@ Result<OutputFile> OutputFile::create(const fs::path& named, const OutputRules& 
     return output;
   }
   E2LF_RETURN_IF_ERROR(check_apart(named, rules.inputs));
-  E2LF_RETURN_IF_ERROR(check_ending(named, rules.ending));
+  if (!rules.ending.empty() && named.extension() != rules.ending) {
+    return fail(ErrorCode::kInvalidValue, named, "this output is written as ", rules.ending, "; give it such a name");
+  }
   E2LF_ASSIGN_OR_RETURN(output.target_, resolve(named));
   std::error_code error;
   E2LF_RETURN_IF_ERROR(check_not_a_record(fs::absolute(named, error)));
@@ -202,7 +196,7 @@ Result<void> OutputFile::commit() {
 Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules, Json record) {
   E2LF_ASSIGN_OR_RETURN(path_, resolve_folder(named, rules.inputs));
   std::error_code error;
-  if (is_there(path_) && !fs::is_directory(path_, error)) {
+  if (is_there(path_) && !is_folder(path_)) {
     return fail(ErrorCode::kExists, path_,
                 "the output is a folder, but a file with this name exists; choose another output");
   }
@@ -219,7 +213,7 @@ Result<void> GrowingFolder::open(const fs::path& named, const OutputRules& rules
     if (earlier->contains("files")) listed = earlier->value("files", std::vector<std::string>());
   }
   for (const std::string& file : files_) {
-    const bool is_ours = std::find(listed.begin(), listed.end(), file) != listed.end();
+    const bool is_ours = std::ranges::find(listed, file) != listed.end();
     if (is_there(path_ / file) && !is_ours) {
       return fail(ErrorCode::kExists, path_ / file,
                   "e2lf did not write this file, so it is not replaced; move it away");

@@ -7,10 +7,8 @@
 #include <random>
 #include <set>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/file.h"
 
 namespace e2lf {
 namespace fs = std::filesystem;
@@ -55,11 +53,10 @@ std::set<fs::path> listed_files(const fs::path& folder) {
   add_listed(record, {}, listed);
   const Json run = record.value("run", Json());
   std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    std::error_code ignored;
-    if (run.is_null() || !fs::is_directory(entry->symlink_status(ignored))) continue;
-    const Json part = record_of(entry->path() / kRecord);
-    if (!part.is_null() && part.value("run", Json()) == run) add_listed(part, entry->path().filename(), listed);
+  for (const fs::path& path : paths_in(folder)) {
+    if (run.is_null() || !fs::is_directory(fs::symlink_status(path, error))) continue;
+    const Json part = record_of(path / kRecord);
+    if (!part.is_null() && part.value("run", Json()) == run) add_listed(part, path.filename(), listed);
   }
   return listed;
 }
@@ -155,11 +152,6 @@ Result<void> write_record(const fs::path& folder, const Json& record) {
   return write_file(folder / kRecord, json_text(record));
 }
 
-std::string new_run() {
-  std::random_device device;
-  return formatted("%08x%08x", device(), device());
-}
-
 }  // namespace
 
 bool is_our_record(const fs::path& path) {
@@ -170,7 +162,7 @@ ResultFolder::ResultFolder(fs::path target, bool overwrite, Workspace workspace)
     : target_(std::move(target)),
       place_(workspace.path() / target_.filename()),
       overwrite_(overwrite),
-      run_(new_run()),
+      run_(formatted("%08x%08x", std::random_device()(), std::random_device()())),
       workspace_(std::move(workspace)) {}
 
 Result<ResultFolder> ResultFolder::create(const fs::path& named, bool overwrite) {

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
-#include "e2lf/files/file.h"
 #include "testing/test_files.h"
 
 namespace e2lf {

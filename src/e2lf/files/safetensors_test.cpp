@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/result.h"
 #include "testing/test_files.h"
 
 namespace e2lf {

@@ -11,7 +11,9 @@
 #include <immintrin.h>
 #endif
 
+#include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 
 namespace e2lf::sha256 {
 namespace {
@@ -27,13 +29,9 @@ alignas(16) constexpr std::array<uint32_t, 64> kRound = {
     0x19a4c116, 0x1e376c08, 0x2748774c, 0x34b0bcb5, 0x391c0cb3, 0x4ed8aa4a, 0x5b9cca4f, 0x682e6ff3,
     0x748f82ee, 0x78a5636f, 0x84c87814, 0x8cc70208, 0x90befffa, 0xa4506ceb, 0xbef9a3f7, 0xc67178f2};
 
-uint32_t big_endian(const uint8_t* bytes) {
-  return uint32_t{bytes[0]} << 24 | uint32_t{bytes[1]} << 16 | uint32_t{bytes[2]} << 8 | uint32_t{bytes[3]};
-}
-
 void add_block(HashState& state, const uint8_t* block) {
   std::array<uint32_t, 64> word;
-  for (size_t t = 0; t < 16; ++t) word[t] = big_endian(block + 4 * t);
+  for (size_t t = 0; t < 16; ++t) word[t] = __builtin_bswap32(load_le<uint32_t>(block + 4 * t));
   for (size_t t = 16; t < 64; ++t) {
     const uint32_t near = word[t - 2], far = word[t - 15];
     word[t] = (std::rotr(near, 17) ^ std::rotr(near, 19) ^ near >> 10) + word[t - 7] +
@@ -189,13 +187,13 @@ std::string sha256_of_text(const std::string& text) {
 
 Result<std::string> sha256_of(const fs::path& path, const ProgressFn& progress) {
   std::error_code error;
-  if (!fs::is_directory(path, error)) return sha256_of_file(path, progress);
+  if (!is_folder(path)) return sha256_of_file(path, progress);
   std::vector<fs::path> files;
   for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code ignored;
     if (entry->is_regular_file(ignored)) files.push_back(entry->path());
   }
-  std::sort(files.begin(), files.end());
+  std::ranges::sort(files);
   std::string listing;
   size_t done = 0;
   for (const fs::path& file : files) {

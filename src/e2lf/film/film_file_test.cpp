@@ -2,7 +2,6 @@
 #include "e2lf/film/film_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <gtest/gtest.h>
 
 #include "e2lf/files/file.h"

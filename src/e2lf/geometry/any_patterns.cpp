@@ -9,7 +9,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
-#include "e2lf/model/composition.h"
 
 namespace e2lf::geometry {
 namespace {

@@ -7,11 +7,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
-#include <string>
 
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
-#include "e2lf/model/composition.h"
 #include "testing/engine_runs.h"
 #include "testing/networks_for_any_patterns.h"
 

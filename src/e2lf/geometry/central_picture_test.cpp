@@ -4,7 +4,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
-#include <string>
 
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/aperture.h"

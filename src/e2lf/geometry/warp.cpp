@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 // Pictures moved to the reference view by a disparity of each pixel; see GeometryOp::kWarp.
-#include <cmath>
 #include <utility>
 
 #include "e2lf/base/result.h"

@@ -27,10 +27,6 @@ namespace e2lf::info {
 namespace fs = std::filesystem;
 namespace {
 
-Json orientation_json(const std::optional<capture::Orientation>& views) {
-  return views ? Json(capture::orientation_name(*views)) : Json();
-}
-
 Result<Description> describe_model(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const bool is_video, model::is_video_model(path));
   if (is_video) {
@@ -68,23 +64,21 @@ Result<Description> describe_event_images(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const capture::EventImageFile file, capture::read_event_images(path));
   const capture::EventImages& first = file.cycles.front();
   const capture::RecordedSetup& setup = file.setup;
-  const eval::EventStatistics statistics = eval::event_statistics(first);
-  Json json = {{"kind", "event images"},
-               {"cycles", file.cycles.size()},
-               {"transitions", first.count},
-               {"height", first.height},
-               {"width", first.width},
-               {"codes", setup.codes.has_value()},
-               {"orientation", orientation_json(setup.views)},
-               {"first_cycle", eval::to_json(statistics)}};
-  return Description{std::move(json)};
+  return Description{{{"kind", "event images"},
+                      {"cycles", file.cycles.size()},
+                      {"transitions", first.count},
+                      {"height", first.height},
+                      {"width", first.width},
+                      {"codes", setup.codes.has_value()},
+                      {"orientation", setup.views ? Json(capture::orientation_name(*setup.views)) : Json()},
+                      {"first_cycle", eval::to_json(eval::event_statistics(first))}}};
 }
 
 /// Describes a measurement with intensity images.
 Result<Description> describe_images(const fs::path& path) {
   E2LF_ASSIGN_OR_RETURN(const capture::MeasurementFile file, capture::read_measurements(path));
   const capture::Measurement& first = file.cycles.front();
-  const auto [low, high] = std::minmax_element(first.images.values.begin(), first.images.values.end());
+  const auto [low, high] = std::ranges::minmax_element(first.images.values);
   Json json = {{"kind", "measurement"},
                {"measurement", capture::measurement_name(first.kind)},
                {"cycles", file.cycles.size()},
@@ -104,27 +98,22 @@ Result<Description> describe_light_field(const fs::path& path, const lightfield:
   E2LF_ASSIGN_OR_RETURN(const lightfield::LightField light_field, lightfield::read_light_field(path, options));
   const lightfield::Shape& shape = light_field.shape();
   E2LF_ASSIGN_OR_RETURN(const capture::Orientation stored, lightfield::stored_orientation(path));
-  const auto [low, high] = std::minmax_element(light_field.data().begin(), light_field.data().end());
-  Json json = {{"kind", "light field"},
-               {"format", lightfield::kind_name(kind)},
-               {"views", {shape.views_y, shape.views_x}},
-               {"height", shape.height},
-               {"width", shape.width},
-               {"channels", shape.channels},
-               {"stored_orientation", capture::orientation_name(stored)},
-               {"min", *low},
-               {"max", *high}};
-  return Description{std::move(json)};
+  const auto [low, high] = std::ranges::minmax_element(light_field.data());
+  return Description{{{"kind", "light field"},
+                      {"format", lightfield::kind_name(kind)},
+                      {"views", {shape.views_y, shape.views_x}},
+                      {"height", shape.height},
+                      {"width", shape.width},
+                      {"channels", shape.channels},
+                      {"stored_orientation", capture::orientation_name(stored)},
+                      {"min", *low},
+                      {"max", *high}}};
 }
 
 /// Returns the names in a folder, sorted.
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    names.push_back(entry->path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
+  for (const fs::path& path : paths_in(folder)) names.push_back(path.filename().string());
   return names;
 }
 
@@ -144,9 +133,8 @@ Result<Description> describe_training_run(const fs::path& path) {
   const std::string name = has_name ? config[name_at].get<std::string>() : "model";
   const uint64_t steps = has_steps ? config[steps_at].get<uint64_t>() : 0, done = last_step(path / "log.csv");
   const fs::path model = path / (name + ".safetensors");
-  std::error_code error;
-  const bool has_model = fs::exists(model, error);
-  const bool has_curves = fs::exists(path / "curves.html", error);
+  const bool has_model = is_present(model);
+  const bool has_curves = is_present(path / "curves.html");
   return Description{{{"kind", "training run"},
                       {"name", name},
                       {"steps", steps},
@@ -158,8 +146,7 @@ Result<Description> describe_training_run(const fs::path& path) {
 
 Result<Description> describe_display(const fs::path& path) {
   const std::vector<std::string> names = names_in(path);
-  const auto frames =
-      std::count_if(names.begin(), names.end(), [](const std::string& name) { return name.starts_with("frame_"); });
+  const auto frames = std::ranges::count_if(names, [](const std::string& name) { return name.starts_with("frame_"); });
   return Description{{{"kind", "display"}, {"frames", frames}},
                      "contact_sheet.png shows the frames; schedule.csv is for the program that shows them, "
                      "schedule.json for --schedule, and codes.json for --codes\n"};
@@ -177,8 +164,7 @@ Result<Description> describe_results(const fs::path& path) {
 Result<Description> describe_cycles(const fs::path& path, const lightfield::ReadOptions& options) {
   const std::vector<fs::path> folders = lightfield::cycle_folders(path);
   E2LF_ASSIGN_OR_RETURN(Description first, describe_light_field(folders.front(), options));
-  Json json = {{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}};
-  return Description{std::move(json)};
+  return Description{{{"kind", "cycles"}, {"cycles", folders.size()}, {"first_cycle", std::move(first.json)}}};
 }
 
 Result<Description> describe_camera(const fs::path& path) {

@@ -10,6 +10,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
@@ -40,21 +41,15 @@ std::string verb_of(const fs::path& record) {
 }
 
 bool is_training_run(const fs::path& path) {
-  std::error_code error;
-  return fs::exists(path / "config.json", error) &&
-         (fs::exists(path / "log.csv", error) || fs::exists(path / "checkpoint.safetensors", error));
+  return is_present(path / "config.json") &&
+         (is_present(path / "log.csv") || is_present(path / "checkpoint.safetensors"));
 }
 
 /// Returns the first names in a folder, ": events.txt, images, ...".
 std::string members_text(const fs::path& path) {
   constexpr size_t kMost = 4;
-  std::error_code error;
   std::vector<std::string> names;
-  for (auto entry = fs::directory_iterator(path, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    names.push_back(printable(entry->path().filename().string()));
-  }
-  std::sort(names.begin(), names.end());
+  for (const fs::path& inner : paths_in(path)) names.push_back(printable(inner.filename().string()));
   const bool is_all = names.size() <= kMost;
   if (!is_all) names.resize(kMost);
   return names.empty() ? "" : cat(": ", join(names), is_all ? "" : ", ...");
@@ -62,8 +57,7 @@ std::string members_text(const fs::path& path) {
 
 Result<FileKind> folder_kind(const fs::path& path) {
   if (recordings::is_recording_folder(path)) return FileKind::kRecording;
-  std::error_code error;
-  if (fs::exists(path / "event_image_00000.npy", error)) return FileKind::kEventImages;
+  if (is_present(path / "event_image_00000.npy")) return FileKind::kEventImages;
   const std::string verb = verb_of(path / "run.json");
   if (verb == "codes render") return FileKind::kDisplay;
   const bool is_depth = verb == "depth";  // in cycles, too
@@ -155,8 +149,7 @@ Error other_kind_error(const fs::path& path, FileKind kind, const char* wanted) 
 Result<FileKind> file_kind(const fs::path& path) {
   if (recordings::is_live_recording(path.string())) return FileKind::kRecording;
   E2LF_RETURN_IF_ERROR(check_readable(path));
-  std::error_code error;
-  if (fs::is_directory(path, error)) return folder_kind(path);
+  if (is_folder(path)) return folder_kind(path);
   const std::string extension = path.extension().string();
   if (extension == ".safetensors") return FileKind::kModel;
   if (extension == ".bias") return FileKind::kSettings;
@@ -167,8 +160,7 @@ Result<FileKind> file_kind(const fs::path& path) {
 }
 
 fs::path file_or_bundled_model(const fs::path& path) {
-  std::error_code error;
-  if (fs::exists(path, error)) return path;
+  if (is_present(path)) return path;
   return bundled_file_named(kBundledModels, path.string()).value_or(path);
 }
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <cstdint>
 #include <gtest/gtest.h>
 
 #include "e2lf/lightfield/views.h"

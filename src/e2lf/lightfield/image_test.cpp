@@ -2,10 +2,8 @@
 #include "e2lf/lightfield/image.h"
 
 #include <cmath>
-#include <cstdio>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <limits>
 #include <png.h>
 #include <zlib.h>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/light_field_io.h"
 
-#include <algorithm>
 #include <cctype>
 #include <mutex>
 #include <span>
@@ -144,14 +143,10 @@ const char* kind_name(LightFieldKind kind) {
 }
 
 std::vector<fs::path> cycle_folders(const fs::path& folder) {
-  std::vector<fs::path> folders;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().filename().string().starts_with("cycle_") && entry.is_directory(error)) {
-      folders.push_back(entry.path());
-    }
-  }
-  std::sort(folders.begin(), folders.end());
+  std::vector<fs::path> folders = paths_in(folder);
+  std::erase_if(folders, [](const fs::path& path) {
+    return !path.filename().string().starts_with("cycle_") || !is_folder(path);
+  });
   return folders;
 }
 

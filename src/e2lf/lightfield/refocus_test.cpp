@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/lightfield/refocus.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
 #include <numeric>
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "e2lf/base/text.h"
 #include "e2lf/base/threads.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
 
 namespace e2lf::lightfield {
@@ -84,10 +84,9 @@ Json views_note(const Orientation& capture, const Orientation& stored) {
 }
 
 Result<Orientation> stored_orientation(const fs::path& path) {
-  std::error_code error;
-  const bool is_folder = fs::is_directory(path, error);
-  if (!is_folder && path.filename() != "lightfield.npy") return Orientation{};
-  const fs::path record_path = (is_folder ? path : path.parent_path()) / "run.json";
+  const bool is_in_folder = is_folder(path);
+  if (!is_in_folder && path.filename() != "lightfield.npy") return Orientation{};
+  const fs::path record_path = (is_in_folder ? path : path.parent_path()) / "run.json";
   if (!is_our_record(record_path)) return Orientation{};
   E2LF_ASSIGN_OR_RETURN(const Json record, read_json(record_path));
   const Json::json_pointer place("/notes/views/stored");
@@ -132,7 +131,7 @@ Image shrink(const Image& image, size_t width, size_t height) {
   Image small(width, height, channels);
   std::vector<float> row(image.width * channels);
   for (size_t y = 0; y < height; ++y) {
-    std::fill(row.begin(), row.end(), 0.0F);
+    std::ranges::fill(row, 0.0F);
     for (const Share& share : rows[y]) {
       const float* source = image.pixels.data() + share.index * row.size();
       for (size_t i = 0; i < row.size(); ++i) row[i] += share.weight * source[i];
@@ -156,7 +155,7 @@ Image contact_sheet(const LightFieldView& light_field, size_t max_width) {
 
   Image sheet(shape.views_x * (width + kSheetGapPx) - kSheetGapPx, shape.views_y * (height + kSheetGapPx) - kSheetGapPx,
               shape.channels);
-  std::fill(sheet.pixels.begin(), sheet.pixels.end(), 1.0F);
+  std::ranges::fill(sheet.pixels, 1.0F);
   parallel_for(shape.num_views(), 1, [&](size_t begin, size_t end) {
     for (size_t view = begin; view < end; ++view) {
       const size_t view_y = view / shape.views_x, view_x = view % shape.views_x;
@@ -181,7 +180,7 @@ Image side_by_side(const std::vector<Image>& pictures) {
   constexpr size_t kGapPx = 4;
   const Image& first = pictures.front();
   Image all(pictures.size() * (first.width + kGapPx) - kGapPx, first.height, first.channels);
-  std::fill(all.pixels.begin(), all.pixels.end(), 1.0F);
+  std::ranges::fill(all.pixels, 1.0F);
   for (size_t i = 0; i < pictures.size(); ++i) paste(pictures[i], 0, i * (first.width + kGapPx), all);
   return all;
 }
@@ -257,7 +256,7 @@ Image epi_picture(const LightFieldView& light_field, const EpiPictureOptions& op
   const Box below_box{shape.height + kGapPx, 0, shape.views_x * kEpiPxPerView, shape.width};
   const Box beside_box{0, shape.width + kGapPx, shape.height, shape.views_y * kEpiPxPerView};
   Image canvas(beside_box.x + beside_box.width, below_box.y + below_box.height, 3);
-  std::fill(canvas.pixels.begin(), canvas.pixels.end(), 1.0F);
+  std::ranges::fill(canvas.pixels, 1.0F);
   paste(view, 0, 0, canvas);
   paste(enlarged(below, kEpiPxPerView, 1), below_box.y, below_box.x, canvas);
   paste(enlarged(beside, 1, kEpiPxPerView), beside_box.y, beside_box.x, canvas);

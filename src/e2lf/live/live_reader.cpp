@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/live/live_reader.h"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <fcntl.h>

@@ -6,7 +6,6 @@
 
 #include "e2lf/base/text.h"
 #include "e2lf/depth/disparity_picture.h"
-#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::live {
 namespace {
@@ -15,7 +14,7 @@ template <typename T>
 std::optional<T> number(const Parameters& parameters, const std::string& name) {
   const auto found = parameters.find(name);
   if (found == parameters.end()) return std::nullopt;
-  const auto value = recordings::parse_number<T>(found->second);
+  const auto value = parse_number<T>(found->second);
   if constexpr (std::is_floating_point_v<T>) {
     if (value && !std::isfinite(*value)) return std::nullopt;
   }

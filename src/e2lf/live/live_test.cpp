@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include <atomic>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>

@@ -334,14 +334,6 @@ std::optional<lightfield::ByteImage> Session::fused_cycles() {
   return map;
 }
 
-void Session::set_size(std::optional<PictureSize> size) {
-  tuning_.set_size(size, networks_.pace(size));
-}
-
-void Session::measure_tone() {
-  tuning_.set_tone(options_.tone);
-}
-
 Json Session::json() {
   Json json = reader_->statistics().json();
   json["average"] = reader_->average();

@@ -101,9 +101,9 @@ class Session {
   [[nodiscard]] const model::Model& model() const { return networks_.model(networks_.size() - 1); }
   [[nodiscard]] const model::Model& model(size_t number) const { return networks_.model(number); }
   /// Fixes the size, or, if it is empty, lets the pace determine it.
-  void set_size(std::optional<PictureSize> size);
+  void set_size(std::optional<PictureSize> size) { tuning_.set_size(size, networks_.pace(size)); }
   /// Determines gain and black level again from the next light field.
-  void measure_tone();
+  void measure_tone() { tuning_.set_tone(options_.tone); }
   /// Returns Statistics::json() and, among others, "size", "average", "has_ended" and the schedule.
   [[nodiscard]] Json json();
 

@@ -6,7 +6,6 @@
 #include "e2lf/cycles/synthesise.h"
 #include "e2lf/files/bundled_files.h"
 #include "e2lf/live/live_requests.h"
-#include "e2lf/pipeline/field_sequence.h"
 #include "e2lf/recordings/open/registry.h"
 #include "testing/test_streams.h"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
 #include "e2lf/base/text.h"
 

@@ -187,10 +187,9 @@ Result<Model> decode_own_weights(Safetensors tensors, const Json& json, const st
 
 /// Returns the file of a part of a composed model: the one of this name beside it, or else the bundled one.
 Result<fs::path> find_part(const std::string& name, const fs::path& folder, const std::string& location) {
-  std::error_code error;
   const fs::path beside = folder / cat(name, kBundledModels.extension);
   const bool is_name = !name.empty() && name.find('/') == std::string::npos;
-  if (is_name && !folder.empty() && fs::is_regular_file(beside, error)) return beside;
+  if (is_name && !folder.empty() && is_file(beside)) return beside;
   if (auto bundled = bundled_file_named(kBundledModels, name)) return std::move(*bundled);
   return fail(ErrorCode::kNotFound, location, "the model ", name,
               ", of which this one is composed, is neither beside it nor among the bundled models; put it beside it");
@@ -282,10 +281,6 @@ Result<Model> with_disparity(Model picture, const Composition& of) {
   picture.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
   picture.parts = {of.disparity};
   return picture;
-}
-
-fs::path folder_of(const fs::path& path) {
-  return path.has_parent_path() ? path.parent_path() : ".";
 }
 
 }  // namespace

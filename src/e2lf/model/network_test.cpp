@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/model/network.h"
 
-#include <functional>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

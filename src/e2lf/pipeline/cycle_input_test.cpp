@@ -5,7 +5,6 @@
 
 #include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
-#include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/recordings/live/camera.h"
 #include "testing/test_files.h"
 

@@ -2,7 +2,6 @@
 // Runs from event images by networks whose answers are known.
 #include "e2lf/pipeline/event_run.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
 
 #include "e2lf/capture/patterns/codes.h"

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/pipeline/field_sequence.h"
 
-#include <array>
 #include <gtest/gtest.h>
 
-#include "e2lf/recon/reconstruct.h"
 #include "e2lf/recon/scene_motion.h"
 
 namespace e2lf::pipeline {

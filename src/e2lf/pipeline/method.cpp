@@ -2,12 +2,11 @@
 #include "e2lf/pipeline/method.h"
 
 #include <algorithm>
-#include <string>
-#include <vector>
 
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/model/model.h"
 #include "e2lf/pipeline/catalogue.h"
@@ -259,8 +258,7 @@ void add_inversion_findings(const OpenedMethod& method, Findings& findings) {
 }  // namespace
 
 Result<model::Model> read_network(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error) ? model::import_release(path) : model::read_model(path);
+  return is_folder(path) ? model::import_release(path) : model::read_model(path);
 }
 
 std::optional<Finding> contradicted_codes(const MethodChoice& choice) {

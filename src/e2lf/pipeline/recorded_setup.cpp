@@ -3,6 +3,7 @@
 
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/recordings/open/registry.h"
 
@@ -75,8 +76,7 @@ std::optional<Json> note_beside(const fs::path& named, const char* key) {
   const fs::path recording = recordings::file_of_recording(named.string());
   if (recording.empty()) return std::nullopt;
   const fs::path path = record_path_beside(recording);
-  std::error_code error;
-  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  if (!is_file(path)) return std::nullopt;
   const auto record = read_json(path);
   if (!record || !record->is_object() || !record->contains("notes") || !record->at("notes").contains(key)) {
     return std::nullopt;

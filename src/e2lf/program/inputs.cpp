@@ -88,8 +88,7 @@ Result<std::optional<model::Model>> read_named_model(const CodesSource& source, 
   if (source.model.empty()) return std::optional<model::Model>();
   E2LF_ASSIGN_OR_RETURN(const auto bytes, read_file(source.model));
   record.add_input(source.model, bytes);
-  const fs::path folder = source.model.has_parent_path() ? source.model.parent_path() : ".";
-  E2LF_ASSIGN_OR_RETURN(model::Model model, model::decode_model(bytes, source.model.string(), folder));
+  E2LF_ASSIGN_OR_RETURN(model::Model model, model::decode_model(bytes, source.model.string(), folder_of(source.model)));
   for (const fs::path& part : model.parts) record.add_input(part);
   return std::optional(std::move(model));
 }

@@ -2,7 +2,6 @@
 #include "e2lf/program/options.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -16,9 +15,7 @@ namespace {
 
 template <typename T>
 std::string check_whole(std::string& text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
+  if (!parse_number<T>(text)) {
     return cat("\"", text, "\" is not a whole number",
                std::is_signed_v<T> ? std::string(" of 64 bits") : cat(" from 0 to ", UINT64_MAX));
   }
@@ -55,10 +52,8 @@ void check_numbers(CLI::App& app) {
 CLI::Validator whole_number(int64_t least, int64_t most) {
   const std::string range = most == INT64_MAX ? cat("at least ", least) : cat(least, " to ", most);
   const auto check = [=](std::string& text) {
-    int64_t value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const bool is_inside = error == std::errc() && value >= least && value <= most;
-    return is_inside ? std::string() : cat(text, " is out of range; give ", range);
+    const auto value = parse_number<int64_t>(text);
+    return value && *value >= least && *value <= most ? std::string() : cat(text, " is out of range; give ", range);
   };
   return {check, range};
 }

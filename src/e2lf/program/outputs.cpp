@@ -13,8 +13,6 @@
 #include "e2lf/info/version.h"
 #include "e2lf/program/options.h"
 #include "e2lf/program/sibling_program.h"
-#include "e2lf/program/verb.h"
-#include "e2lf/recordings/open/registry.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::program {
@@ -42,8 +40,7 @@ RunRecord::RunRecord(const Verb& verb, const std::vector<fs::path>& inputs) : ve
 }
 
 void RunRecord::add_input(const fs::path& path) {
-  std::error_code error;
-  if (fs::is_regular_file(path, error) || fs::is_directory(path, error)) inputs_.push_back({path, ""});
+  if (is_file(path) || is_folder(path)) inputs_.push_back({path, ""});
 }
 
 void RunRecord::add_input(const fs::path& path, std::span<const uint8_t> bytes) {
@@ -141,12 +138,10 @@ std::string from_folder(const fs::path& folder, const std::string& recorded) {
 bool holds_path(const CLI::Option* option, const std::string& value, const fs::path& folder) {
   if (option == nullptr) return false;
   const std::string type = value_type(*option);
-  std::error_code error;
-  if (type == kThingType) return fs::exists(folder / value, error);
+  if (type == kThingType) return is_present(folder / value);
   const bool is_camera = type == kCameraType;
   if (!is_camera && type != kModelType && type != kCodesType) return type == kPathType;
-  return fs::is_regular_file(folder / value, error) ||
-         !bundled_file_named(is_camera ? kBundledCameras : kBundledModels, value);
+  return is_file(folder / value) || !bundled_file_named(is_camera ? kBundledCameras : kBundledModels, value);
 }
 
 }  // namespace
@@ -164,7 +159,7 @@ void resolve_recorded_paths(Json& record, const CLI::App& app) {
       if (value.is_string() && holds_path(option, value, folder)) value = from_folder(folder, value);
     };
     if (!values.is_array()) resolve(values);
-    if (values.is_array()) std::for_each(values.begin(), values.end(), resolve);
+    if (values.is_array()) std::ranges::for_each(values, resolve);
   }
 }
 

@@ -90,8 +90,7 @@ std::optional<std::string> missing_argument(const CLI::App& app, const std::stri
 /// Returns a message about an argument that is the name of a file but looks like an option.
 std::optional<std::string> dashed_file(const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
-    std::error_code error;
-    if (argument.size() < 2 || argument[0] != '-' || !std::filesystem::exists(argument, error)) continue;
+    if (argument.size() < 2 || argument[0] != '-' || !is_present(argument)) continue;
     return cat(argument, " is taken for an option; write ./", argument, " for the file");
   }
   return std::nullopt;
@@ -115,13 +114,13 @@ void find_config(std::vector<std::string> arguments, std::string& config, std::v
   app.allow_extras();
   app.add_option("--config", config)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   app.add_option("--set", overrides)->allow_extra_args(false);
-  std::reverse(arguments.begin(), arguments.end());  // CLI11 takes its vector from the back
+  std::ranges::reverse(arguments);  // CLI11 takes its vector from the back
   app.parse(arguments);
 }
 
 /// Returns "--sensor-width" for "sensor_width".
 std::string long_flag(std::string name) {
-  std::replace(name.begin(), name.end(), '_', '-');
+  std::ranges::replace(name, '_', '-');
   return "--" + name;
 }
 
@@ -247,9 +246,8 @@ int Verb::print_help() const {
 /// Reads the keys and values of --config: those of the file, or the options of the run that it records.
 Result<Json> Verb::read_config() {
   // The name of a result denotes its record.
-  std::error_code error;
-  if (fs::is_directory(config_, error)) config_ = (fs::path(config_) / "run.json").string();
-  if (const fs::path record = record_path_beside(config_); fs::exists(record, error)) config_ = record.string();
+  if (is_folder(config_)) config_ = (fs::path(config_) / "run.json").string();
+  if (const fs::path record = record_path_beside(config_); is_present(record)) config_ = record.string();
   E2LF_ASSIGN_OR_RETURN(Json config, read_json(config_));
   if (config.is_object() && config.contains("written_by") && !config.contains("verb")) {
     return fail(ErrorCode::kInvalidValue, config_,
@@ -295,7 +293,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
     return 0;
   }
   const auto parse = [this](std::vector<std::string> list) {
-    std::reverse(list.begin(), list.end());  // CLI11 takes its vector from the back
+    std::ranges::reverse(list);  // CLI11 takes its vector from the back
     app_.parse(list);
   };
   check_numbers(app_);

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
-#include <string>
 
 #include "e2lf/capture/measurement/event_image_io.h"
 #include "e2lf/files/npy.h"

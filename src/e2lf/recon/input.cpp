@@ -2,6 +2,7 @@
 #include "e2lf/recon/input.h"
 
 #include "e2lf/base/threads.h"
+#include "e2lf/engine/kernel.h"
 
 namespace e2lf::recon {
 namespace {
@@ -59,10 +60,6 @@ size_t mirrored(size_t index, size_t size, size_t shift) {
   return place < shift ? mirrored(shift - 1 - place, size) : place - shift;
 }
 
-size_t round_up(size_t value, size_t multiple) {
-  return (value + multiple - 1) / multiple * multiple;
-}
-
 /// Returns the first channel of each group, followed by the number of channels.
 std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size_t transitions,
                                  size_t conditioning_size, size_t num_images) {
@@ -75,11 +72,6 @@ std::vector<size_t> group_begins(std::span<const model::InputGroup> groups, size
     begins.push_back(begins.back() + channels);
   }
   return begins;
-}
-
-void fill_conditioning(std::span<const float> conditioning, float scale, size_t first_channel, InputPlanes& planes) {
-  float* plane = planes.values.data() + first_channel * planes.height * planes.width;
-  for (const float trait : conditioning) plane = std::fill_n(plane, planes.height * planes.width, scale * trait);
 }
 
 /// Fills the planes of all groups that are made from event counts, which are sums over `cycles`.
@@ -181,6 +173,7 @@ Result<void> network_input(const capture::MeasurementView& measurement, std::spa
   }
   const std::vector<size_t> first_channels = group_begins(
       groups, measurement.events.extents[0], conditions.conditioning.size(), measurement.images.extents[0]);
+  using engine::round_up;
   planes.resize(first_channels.back(), round_up(measurement.height() + conditions.shift.y, size_multiple),
                 round_up(measurement.width() + conditions.shift.x, size_multiple));
   if (std::any_of(groups.begin(), groups.end(), model::is_of_counts)) {
@@ -192,7 +185,9 @@ Result<void> network_input(const capture::MeasurementView& measurement, std::spa
     const float scale = groups[g].scale;
     const bool is_image = groups[g].kind == model::InputKind::kImages || groups[g].kind == model::InputKind::kImageSum;
     if (groups[g].kind == model::InputKind::kCamera) {
-      fill_conditioning(conditions.conditioning, scale, first_channels[g], planes);
+      const size_t size = planes.height * planes.width;
+      float* plane = planes.values.data() + first_channels[g] * size;
+      for (const float trait : conditions.conditioning) plane = std::fill_n(plane, size, scale * trait);
       const size_t of_cycles = first_channels[g] + conditions.cycles_condition;
       if (measurement.is_fused() && of_cycles < first_channels[g + 1]) {
         fill_cycles(measurement.cycles, scale, conditions.shift, of_cycles, planes);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/recon/input.h"
 
-#include <algorithm>
-#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
 

@@ -71,11 +71,6 @@ void column_sums(const float* in, float* out, size_t rows, size_t columns, size_
   }
 }
 
-/// Computes sliding sums along a row.
-void row_sums(const float* in, float* out, size_t count, size_t radius) {
-  column_sums(in, out, count, 1, 1, radius);
-}
-
 void denoise_image(std::span<float> image, std::span<const int16_t> counts, const capture::EventImages& images,
                    const capture::SensorConstants& constants, size_t radius) {
   const auto& [eps, tau, sigma_w, sigma_z, sigma_i] = constants;
@@ -103,7 +98,7 @@ void denoise_image(std::span<float> image, std::span<const int16_t> counts, cons
 std::vector<float> box_sums(std::span<const float> values, size_t height, size_t width, size_t radius) {
   std::vector<float> rows(values.size()), sums(values.size());
   parallel_for(height, 8, [&](size_t begin, size_t end) {
-    for (size_t y = begin; y < end; ++y) row_sums(&values[y * width], &rows[y * width], width, radius);
+    for (size_t y = begin; y < end; ++y) column_sums(&values[y * width], &rows[y * width], width, 1, 1, radius);
   });
   parallel_for(width, 16, [&](size_t begin, size_t end) {
     column_sums(&rows[begin], &sums[begin], height, end - begin, width, radius);

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
@@ -75,8 +76,7 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
 
 Result<BlocksPtr> open_side_triggers(const std::filesystem::path& recording) {
   if (recording.empty()) return BlocksPtr();
-  std::error_code error;
-  if (!std::filesystem::exists(side_trigger_path(recording), error)) return BlocksPtr();
+  if (!is_present(side_trigger_path(recording))) return BlocksPtr();
   E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   const std::string_view first = as_text(head).substr(0, as_text(head).substr(0, kDetectBytes).find('\n'));

@@ -54,10 +54,6 @@ Page& Page::table(const Table& table) {
   return add(table);
 }
 
-Page& Page::facts(const Json& facts) {
-  return add(facts_table(facts));
-}
-
 Page& Page::add(const Table& table) {
   body_ += "<div class=\"wide\"><table>\n";
   if (!table.caption.empty()) body_ += cat("<caption>", escaped(table.caption), "</caption>\n");

@@ -30,7 +30,7 @@ class Page {
   Page& code(std::string_view text);
   Page& table(const Table& table);
   /// Adds the values of an object as a table with one row per value; see facts_table().
-  Page& facts(const Json& facts);
+  Page& facts(const Json& facts) { return add(facts_table(facts)); }
   /// Places all elements that are added between these two calls side by side, as far as they fit.
   Page& begin_row();
   Page& end_row();

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/threads.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/event_model.h"
 #include "testing/pixel_levels.h"
 

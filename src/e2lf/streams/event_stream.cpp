@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/streams/event_stream.h"
 
-#include <cmath>
 #include <limits>
 
 #include "e2lf/base/choice.h"
@@ -166,8 +165,7 @@ void append_in_time(const std::vector<std::vector<PixelEvent>>& parts, const Lig
   std::vector<PixelEvent> sorted;
   sorted.reserve(count);
   for (const auto& part : parts) sorted.insert(sorted.end(), part.begin(), part.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](PixelEvent a, PixelEvent b) { return a.offset_us() < b.offset_us(); });
+  std::ranges::stable_sort(sorted, [](PixelEvent a, PixelEvent b) { return a.offset_us() < b.offset_us(); });
   for (const PixelEvent event : sorted) put(place++, event);
 }
 

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "e2lf/base/threads.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {

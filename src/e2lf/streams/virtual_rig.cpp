@@ -183,10 +183,6 @@ Result<void> VirtualRig::rest_before(ShownPattern first) {
   return {};
 }
 
-bool VirtualRig::is_rising(int64_t pattern_begin_us) const {
-  return now_us_ < pattern_begin_us + options_.rise_us;
-}
-
 int64_t VirtualRig::next_stop(int64_t pattern_begin_us, int64_t end_us) const {
   int64_t stop_us = end_us;
   if (is_rising(pattern_begin_us)) stop_us = std::min(stop_us, pattern_begin_us + options_.rise_us);

@@ -87,7 +87,7 @@ class VirtualRig {
   [[nodiscard]] Result<void> rest_before(ShownPattern first);
   [[nodiscard]] Result<void> reach_knot(int64_t t_us);
   [[nodiscard]] int64_t next_stop(int64_t pattern_begin_us, int64_t end_us) const;
-  [[nodiscard]] bool is_rising(int64_t pattern_begin_us) const;
+  [[nodiscard]] bool is_rising(int64_t pattern_begin_us) const { return now_us_ < pattern_begin_us + options_.rise_us; }
   void light_at(int64_t t_us, ShownPattern shown, std::vector<float>& light);
   void light_of_rise(int64_t t_us, int64_t pattern_begin_us, ShownPattern shown, std::vector<float>& light);
 

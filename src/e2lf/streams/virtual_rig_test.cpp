@@ -8,10 +8,8 @@
 #include <map>
 
 #include "e2lf/base/progress.h"
-#include "e2lf/capture/patterns/codes.h"
 #include "e2lf/sensor/event_model.h"
 #include "e2lf/sensor/pixel_model.h"
-#include "e2lf/streams/event_stream.h"
 #include "testing/test_light.h"
 
 namespace e2lf::streams {

@@ -97,8 +97,4 @@ void ProgressBar::update(size_t done, size_t total) {
   line().is_drawn = true;
 }
 
-ProgressFn ProgressBar::callback() {
-  return [this](size_t done, size_t total) { update(done, total); };
-}
-
 }  // namespace e2lf

@@ -23,7 +23,9 @@ class ProgressBar {
   void update(size_t done, size_t total);
 
   /// Returns a callback that draws on this bar. The bar must outlive it.
-  [[nodiscard]] ProgressFn callback();
+  [[nodiscard]] ProgressFn callback() {
+    return [this](size_t done, size_t total) { update(done, total); };
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

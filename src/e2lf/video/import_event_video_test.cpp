@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/base/text.h"
-#include "e2lf/files/safetensors.h"
 #include "testing/event_video_checkpoints.h"
 #include "testing/event_video_networks.h"
 #include "testing/test_files.h"

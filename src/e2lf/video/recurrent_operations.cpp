@@ -2,7 +2,6 @@
 // Operations that remember the previous frame (VideoOp::kConvGru, kConvLstm, kPrevious), and the tanh of their
 // networks.
 #include <algorithm>
-#include <cmath>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/text.h"

@@ -17,7 +17,6 @@
 
 #include "e2lf/base/progress.h"
 #include "e2lf/base/text.h"
-#include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::view {
 
@@ -299,7 +298,7 @@ class DocumentServer : public Server {
     } else if (name == "document.json") {
       response.set_content(now->description, "application/json");
     } else {
-      const auto number = recordings::parse_number<size_t>(name.starts_with("part/") ? name.substr(5) : "");
+      const auto number = parse_number<size_t>(name.starts_with("part/") ? name.substr(5) : "");
       if (!number || *number >= now->document.parts().size()) return false;
       const auto bytes = now->document.parts()[*number]();
       if (!bytes) {

@@ -2,7 +2,6 @@
 #include "e2lf/capture/measurement/event_image_io.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -29,7 +28,7 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
   const float half = std::ldexp(0.5F, static_cast<int>(8 * array.item_size));
   const float end = is_unsigned ? std::min(half, 32768.0F) : 32768.0F;
   const auto is_count = [end](float value) { return value == std::trunc(value) && value >= -32768.0F && value < end; };
-  const auto other = std::find_if_not(values.begin(), values.end(), is_count);
+  const auto other = std::ranges::find_if_not(values, is_count);
   if (other != values.end()) {
     const std::string count =
         cat("the count ", *other, " at ", place_of(static_cast<size_t>(other - values.begin()), array.shape));
@@ -42,7 +41,7 @@ Result<std::vector<int16_t>> to_counts(const NpyArray& array, const std::string&
                 "replace NaN");
   }
   std::vector<int16_t> counts(values.size());
-  std::transform(values.begin(), values.end(), counts.begin(), [](float v) { return static_cast<int16_t>(v); });
+  std::ranges::transform(values, counts.begin(), [](float v) { return static_cast<int16_t>(v); });
   return counts;
 }
 
@@ -100,24 +99,15 @@ Result<EventImageFile> from_arrays(const NpzArrays& arrays, const fs::path& path
 
 constexpr std::string_view kImagePrefix = "event_image_";
 
-/// Returns the K of event_image_0000K.npy, or nothing if it is no number.
-std::optional<size_t> image_number(const fs::path& path) {
-  const std::string stem = path.stem().string();
-  size_t number = 0;
-  const char* end = stem.data() + stem.size();
-  const auto parsed = std::from_chars(stem.data() + kImagePrefix.size(), end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
-  return number;
-}
-
 /// Lists the event images of a folder in order; their numbers must run from 0 without gaps.
 Result<std::vector<fs::path>> list_images(const fs::path& folder) {
   std::vector<std::pair<size_t, fs::path>> found;
   std::error_code status;
   for (fs::directory_iterator entry(folder, status), end; !status && entry != end; entry.increment(status)) {
     const fs::path& path = entry->path();
-    if (path.extension() != ".npy" || !path.stem().string().starts_with(kImagePrefix)) continue;
-    const auto number = image_number(path);
+    const std::string stem = path.stem().string();
+    if (path.extension() != ".npy" || !stem.starts_with(kImagePrefix)) continue;
+    const auto number = parse_number<size_t>(stem.substr(kImagePrefix.size()));
     if (!number) {
       return fail(ErrorCode::kFormat, path, "the name does not end in the number of an event image from 0; rename it");
     }
@@ -130,7 +120,7 @@ Result<std::vector<fs::path>> list_images(const fs::path& folder) {
         "no event_image_*.npy in the folder; give a folder of event images (`e2lf simulate` generates them from a "
         "light field)");
   }
-  std::sort(found.begin(), found.end());
+  std::ranges::sort(found);
   std::vector<fs::path> paths;
   for (size_t i = 0; i < found.size(); ++i) {
     if (found[i].first != i) {
@@ -169,11 +159,10 @@ Result<EventImageFile> read_folder(const fs::path& folder) {
 }  // namespace
 
 Result<EventImageFile> read_event_images(const fs::path& path) {
-  std::error_code status;
-  if (!fs::exists(path, status)) {
+  if (!is_present(path)) {
     return fail(ErrorCode::kNotFound, path, "there is no such file or folder; check the path");
   }
-  if (fs::is_directory(path, status)) return read_folder(path);
+  if (is_folder(path)) return read_folder(path);
   const std::string extension = path.extension().string();
   if (extension == ".npz") {
     E2LF_ASSIGN_OR_RETURN(const NpzArrays arrays, read_npz(path));
@@ -201,7 +190,7 @@ Result<std::vector<CodedIntensities>> images_from_array(const NpyArray& array, c
                 "; expected [cycles, image, y, x]");
   }
   E2LF_ASSIGN_OR_RETURN(const std::vector<float> values, array.to_float(location));
-  if (!std::all_of(values.begin(), values.end(), [](float value) { return std::isfinite(value); })) {
+  if (!std::ranges::all_of(values, [](float value) { return std::isfinite(value); })) {
     return fail(ErrorCode::kInvalidValue, location, "an intensity is not finite; correct the images");
   }
   return split_cycles(values, shape);

@@ -3,14 +3,12 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <limits>
 #include <string>
 #include <unistd.h>
 
-#include "e2lf/base/little_endian.h"
 #include "e2lf/files/file.h"
 
 namespace e2lf::capture {

@@ -2,7 +2,6 @@
 #include "e2lf/capture/patterns/codes.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <sstream>
@@ -20,8 +19,7 @@ Result<void> validate(const Codes& codes, const std::string& location) {
                 shape_text({codes.num_patterns, codes.views_y, codes.views_x}), "; give one for each cell");
   }
   // Written so that NaN is refused.
-  const auto refused =
-      std::find_if(codes.values.begin(), codes.values.end(), [](float v) { return !(v >= 0.0F && v <= 1.0F); });
+  const auto refused = std::ranges::find_if(codes.values, [](float v) { return !(v >= 0.0F && v <= 1.0F); });
   if (refused == codes.values.end()) return {};
   const auto index = static_cast<size_t>(refused - codes.values.begin());
   const size_t cell = index % codes.pattern_size();
@@ -33,12 +31,11 @@ Result<void> validate(const Codes& codes, const std::string& location) {
 bool is_black_first(const Codes& codes) {
   if (codes.num_patterns == 0) return false;
   const auto first = codes.pattern(0);
-  return std::all_of(first.begin(), first.end(), [](float value) { return value == 0.0F; });
+  return std::ranges::all_of(first, [](float value) { return value == 0.0F; });
 }
 
 bool is_binary(const Codes& codes) {
-  return std::all_of(codes.values.begin(), codes.values.end(),
-                     [](float value) { return value == 0.0F || value == 1.0F; });
+  return std::ranges::all_of(codes.values, [](float value) { return value == 0.0F || value == 1.0F; });
 }
 
 std::vector<float> light_efficiency(const Codes& codes) {
@@ -124,13 +121,12 @@ Result<Json> row_from(const std::string& text, const std::string& location) {
   if (text.find_first_not_of("01") == std::string::npos) return Json(text);
   Json row = Json::array();
   for (const std::string& part : split(text, ',')) {
-    float value = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size()) {
+    const auto value = parse_number<float>(part);
+    if (!value) {
       return fail(ErrorCode::kFormat, location, "\"", part,
                   "\" is not a transmittance; repair the header, or give the patterns");
     }
-    row.push_back(value);
+    row.push_back(*value);
   }
   return row;
 }
@@ -149,13 +145,13 @@ HeaderLines codes_to_header(const Codes& codes) {
 }
 
 Result<std::optional<Codes>> codes_from_header(const HeaderLines& header, const std::string& location) {
-  const auto count = static_cast<size_t>(
-      std::count_if(header.begin(), header.end(), [](const auto& line) { return line.first.starts_with(kKey); }));
+  const auto count =
+      static_cast<size_t>(std::ranges::count_if(header, [](const auto& line) { return line.first.starts_with(kKey); }));
   if (count == 0) return std::optional<Codes>();
   Json patterns = Json::array();
   for (size_t n = 1; n <= count; ++n) {
     const std::string key = cat(kKey, n), at = cat(location, ": ", key);
-    const auto line = std::find_if(header.begin(), header.end(), [&](const auto& pair) { return pair.first == key; });
+    const auto line = std::ranges::find_if(header, [&](const auto& pair) { return pair.first == key; });
     if (line == header.end()) {
       return Error{ErrorCode::kFormat, "this pattern is missing in the header; give the patterns", at, "codes"};
     }

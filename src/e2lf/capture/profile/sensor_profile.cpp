@@ -2,7 +2,6 @@
 #include "e2lf/capture/profile/sensor_profile.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "e2lf/base/text.h"
@@ -81,7 +80,6 @@ Result<void> read_pixel(OptionReader constants, SensorProfile& camera) {
   return constants.finish();
 }
 
-/// The paper's constants with their keys.
 constexpr std::pair<KeyRange, float SensorConstants::*> kPaperKeys[] = {
     {{"eps", 1e-6F, 1e3F}, &SensorConstants::eps},
     {{"tau", 0.01F, 10.0F}, &SensorConstants::tau},

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/capture/profile/sensor_profile.h"
 
-#include <cmath>
 #include <gtest/gtest.h>
 
 namespace e2lf::capture {

@@ -31,10 +31,9 @@ int64_t turntable_field_us(double rpm, size_t width) {
 Result<StreamScene> sequence(const fs::path& input, int64_t field_us, const SceneOptions& options, bool is_quiet) {
   std::vector<fs::path> fields;
   size_t others = 0;
-  std::error_code error;
-  for (fs::directory_iterator entry(input, error), end; !error && entry != end; entry.increment(error)) {
-    if (lightfield::detect_kind(entry->path())) {
-      fields.push_back(entry->path());
+  for (const fs::path& path : paths_in(input)) {
+    if (lightfield::detect_kind(path)) {
+      fields.push_back(path);
     } else {
       ++others;
     }

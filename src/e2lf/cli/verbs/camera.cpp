@@ -196,8 +196,7 @@ Result<fs::path> bias_place(const RecordArguments& arguments, const Verb& verb) 
   fs::path place = arguments.output;
   place.replace_extension(".bias");
   E2LF_RETURN_IF_ERROR(check_apart(place, verb.named_inputs()));
-  std::error_code error;
-  if (!fs::exists(fs::symlink_status(place, error))) return place;
+  if (!is_there(place)) return place;
   const auto earlier = read_json(record_path_beside(arguments.output));
   const bool is_ours = earlier && earlier->contains("notes") && (*earlier)["notes"].is_object() &&
                        (*earlier)["notes"].value("biases", "") == place.filename().string();

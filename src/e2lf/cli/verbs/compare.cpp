@@ -12,13 +12,13 @@
 #include "e2lf/compare/jobs.h"
 #include "e2lf/compare/tables.h"
 #include "e2lf/files/bundled_files.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/sha256.h"
 #include "e2lf/info/version.h"
 #include "e2lf/program/inputs.h"
 #include "e2lf/program/outputs.h"
 #include "e2lf/program/sibling_program.h"
-#include "e2lf/recordings/io/header_text.h"
 #include "e2lf/terminal/progress_bar.h"
 
 namespace e2lf::cli {
@@ -36,8 +36,8 @@ struct CompareArguments {
 Result<compare::Shard> parse_shard(const std::string& text) {
   if (text.empty()) return compare::Shard();
   const size_t slash = text.find('/');
-  const auto number = recordings::parse_number<size_t>(text.substr(0, slash));
-  const auto count = recordings::parse_number<size_t>(slash == std::string::npos ? "" : text.substr(slash + 1));
+  const auto number = parse_number<size_t>(text.substr(0, slash));
+  const auto count = parse_number<size_t>(slash == std::string::npos ? "" : text.substr(slash + 1));
   if (number && count && *number >= 1 && *number <= *count) return compare::Shard{*number, *count};
   return fail(ErrorCode::kInvalidValue, "--shard " + text,
               "a shard is a number and a total, counted from 1; give e.g. 1/4");
@@ -46,11 +46,10 @@ Result<compare::Shard> parse_shard(const std::string& text) {
 /// Finds a file that a configuration names: beside the configuration, in the folder of data, or among the bundled
 /// files.
 Result<fs::path> locate(const CompareArguments& arguments, const std::string& name) {
-  std::error_code error;
   const fs::path path = name;
   const fs::path beside = arguments.config.parent_path() / path;
-  if (fs::exists(beside, error)) return beside.lexically_normal();
-  if (!arguments.data.empty() && fs::exists(arguments.data / path, error)) return arguments.data / path;
+  if (is_present(beside)) return beside.lexically_normal();
+  if (!arguments.data.empty() && is_present(arguments.data / path)) return arguments.data / path;
   if (const auto bundled = bundled_file(name); bundled && path.is_relative()) return *bundled;
   if (const auto model = bundled_file_named(kBundledModels, name)) return *model;
   const std::string data =
@@ -64,9 +63,8 @@ compare::Environment environment_of(const CompareArguments& arguments) {
   compare::Environment environment;
   environment.locate = [&](const std::string& name) { return locate(arguments, name); };
   environment.locate_camera = [&](const std::string& name) -> Result<fs::path> {
-    std::error_code error;
     const auto camera = locate(arguments, name);
-    return camera && fs::is_regular_file(*camera, error) ? camera : find_camera(name);
+    return camera && is_file(*camera) ? camera : find_camera(name);
   };
   environment.hash = [](const fs::path& path) { return sha256_of(path); };
   environment.version = kVersion;

@@ -81,15 +81,11 @@ struct ConvertedPart {
   recordings::ConvertReport report;
 };
 
-/// Returns NAME_2.raw for the second part of NAME.raw.
-fs::path part_path(const fs::path& output, size_t number) {
-  return number == 1 ? output
-                     : output.parent_path() / cat(output.stem().string(), "_", number, output.extension().string());
-}
-
+/// Creates NAME.raw, or NAME_2.raw for the second part.
 Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::Codec& codec, size_t number,
                                   const Verb& verb) {
-  const fs::path named = part_path(arguments.output, number);
+  fs::path named = arguments.output;
+  if (number > 1) named.replace_filename(cat(named.stem().string(), "_", number, named.extension().string()));
   const OutputRules rules = recording_output_rules(verb, codec);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {

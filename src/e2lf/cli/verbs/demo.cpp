@@ -43,11 +43,6 @@ Result<pipeline::OpenedMethod> open_method(const std::optional<fs::path>& path, 
               "the model contains no aperture patterns, which the camera of the demo needs; give a model that does");
 }
 
-Result<void> write_scene(const fs::path& folder, const LightField& scene, const lightfield::Image& disparity) {
-  E2LF_RETURN_IF_ERROR(lightfield::write_views(folder, scene, lightfield::LightFieldFormat::kPng8));
-  return write_npy(folder / "gt_disparity.npy", make_npy<float>({disparity.height, disparity.width}, disparity.pixels));
-}
-
 Result<void> write_refocused(const fs::path& folder, const LightField& light_field) {
   const lightfield::Aperture open = lightfield::full_aperture(light_field.shape());
   E2LF_RETURN_IF_ERROR(
@@ -117,7 +112,9 @@ Result<void> demo(const DemoArguments& arguments, const Verb& verb) {
   const fs::path& folder = output.path();
   std::error_code ignored;
   fs::create_directory(folder / "scene", ignored);
-  E2LF_RETURN_IF_ERROR(write_scene(folder / "scene", scene, disparity));
+  E2LF_RETURN_IF_ERROR(lightfield::write_views(folder / "scene", scene, lightfield::LightFieldFormat::kPng8));
+  E2LF_RETURN_IF_ERROR(write_npy(folder / "scene" / "gt_disparity.npy",
+                                 make_npy<float>({disparity.height, disparity.width}, disparity.pixels)));
   E2LF_RETURN_IF_ERROR(
       capture::write_event_images(folder / "events.npz", {{images}, {camera.codes, camera.profile, {}}}));
   E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / "events.png", event_picture(images)));

@@ -12,6 +12,7 @@
 #include "e2lf/depth/disparity_picture.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/eval/report.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
 #include "e2lf/files/result_folder.h"
 #include "e2lf/info/page_parts.h"
@@ -60,8 +61,7 @@ Result<std::vector<Candidate>> candidates_of(const EvalArguments& arguments) {
 
 /// Reads the tone in the record of `e2lf reconstruct` beside a reconstruction: that of the cycle, or of all.
 void read_recorded_tone(const fs::path& path, eval::EvalRow& row) {
-  std::error_code error;
-  const fs::path folder = fs::is_directory(path, error) ? path : path.parent_path();
+  const fs::path folder = is_folder(path) ? path : path.parent_path();
   const auto record = read_json(folder / "run.json");
   if (!record || !is_our_record(folder / "run.json")) return;
   for (const char* place : {"/options", "/cycle"}) {

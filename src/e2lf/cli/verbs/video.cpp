@@ -94,10 +94,6 @@ Result<FrameMaker> make_frame_maker(const VideoArguments& arguments, const recor
   return maker;
 }
 
-std::string frame_name(uint64_t number) {
-  return formatted("frame_%06llu.png", static_cast<unsigned long long>(number));
-}
-
 struct VideoReport {
   uint64_t frames = 0, events = 0, empty = 0;
   diagnose::Findings findings = {};
@@ -114,7 +110,8 @@ Result<VideoReport> write_frames(cycles::WindowReader& windows, FrameMaker& make
     if (!more) return false;
     hot.add(window.events);
     E2LF_ASSIGN_OR_RETURN(const lightfield::ByteImage frame, maker.make(window));
-    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / frame_name(report.frames), frame));
+    const auto number = static_cast<unsigned long long>(report.frames);
+    E2LF_RETURN_IF_ERROR(lightfield::write_png(folder / formatted("frame_%06llu.png", number), frame));
     report.table += cat(report.frames, ",", window.begin_us, ",", window.end_us, ",", window.events.size(), "\n");
     report.events += window.events.size();
     report.empty += window.events.empty() ? 1 : 0;

@@ -64,8 +64,7 @@ Result<Image> read_map(const fs::path& path, const lightfield::Shape& shape) {
 
 /// Returns the files of the maps in `path`, in the order of the cycles.
 std::vector<fs::path> files_of(const fs::path& path) {
-  std::error_code error;
-  if (!fs::is_directory(path, error)) return {path};
+  if (!is_folder(path)) return {path};
   std::vector<fs::path> files;
   for (const fs::path& cycle : lightfield::cycle_folders(path)) files.push_back(cycle / "disparity.npy");
   if (files.empty()) files.push_back(path / "disparity.npy");
@@ -74,8 +73,7 @@ std::vector<fs::path> files_of(const fs::path& path) {
 
 /// Returns the view that the record of `e2lf depth` states; maps of other programs have no record.
 depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
-  std::error_code error;
-  const auto record = read_json(fs::is_directory(path, error) ? path / "run.json" : record_path_beside(path));
+  const auto record = read_json(is_folder(path) ? path / "run.json" : record_path_beside(path));
   const depth::ViewIndex middle = depth::middle_view(shape);
   if (!record) return middle;
   const Json::json_pointer place("/notes/maps/0/view");
@@ -103,8 +101,7 @@ Result<view::DisparityMaps> read_disparity(const fs::path& path, const lightfiel
     E2LF_ASSIGN_OR_RETURN(Image map, read_map(file, shape));
     found.maps.push_back(std::move(map));
     const fs::path beside = file.parent_path() / "confidence.npy";
-    std::error_code error;
-    if (file == path || !fs::exists(beside, error)) continue;
+    if (file == path || !is_present(beside)) continue;
     E2LF_ASSIGN_OR_RETURN(Image confidence, read_map(beside, shape));
     found.confidences.push_back(std::move(confidence));
   }
@@ -114,8 +111,7 @@ Result<view::DisparityMaps> read_disparity(const fs::path& path, const lightfiel
 
 /// Returns whether a folder contains maps of `e2lf depth`, or is that of one of its cycles.
 bool is_depth_folder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error) && fs::exists(files_of(path).front(), error);
+  return is_folder(path) && is_present(files_of(path).front());
 }
 
 /// Returns the light field of which the maps in a folder of `e2lf depth` are, or an empty path if it is not there.
@@ -126,8 +122,7 @@ fs::path light_field_of(const fs::path& depth_folder) {
   const Json& base = record->contains(folder) ? record->at(folder) : Json("");
   const fs::path path =
       fs::path(base.is_string() ? base.get<std::string>() : "") / record->at(place).get<std::string>();
-  std::error_code error;
-  if (!fs::exists(path, error)) return {};
+  if (!is_present(path)) return {};
   const auto kind = file_kind(path);
   return kind && (*kind == FileKind::kLightField || *kind == FileKind::kCycles) ? path : fs::path();
 }

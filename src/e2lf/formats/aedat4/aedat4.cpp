@@ -17,10 +17,10 @@ namespace {
 
 struct Stream {
   int32_t id = 0;
-  std::string type;  ///< "EVTS", "TRIG", "FRME", "IMUS"
+  std::string type = {};  ///< "EVTS", "TRIG", "FRME", "IMUS"
   size_t width = 0, height = 0;
-  std::string source;  ///< name of the camera
-  std::string output;  ///< name of the stream in its module, e.g. "events"
+  std::string source = {};  ///< name of the camera
+  std::string output = {};  ///< name of the stream in its module, e.g. "events"
 };
 
 struct Header {
@@ -126,12 +126,8 @@ std::optional<int32_t> stream_of_path(std::string_view path) {
 }
 
 Stream& stream_with(std::vector<Stream>& streams, int32_t id) {
-  for (Stream& stream : streams) {
-    if (stream.id == id) return stream;
-  }
-  streams.push_back({});
-  streams.back().id = id;
-  return streams.back();
+  const auto found = std::ranges::find(streams, id, &Stream::id);
+  return found != streams.end() ? *found : streams.emplace_back(Stream{.id = id});
 }
 
 constexpr size_t kPacketHeader = 8, kSizePrefix = 4;
@@ -394,11 +390,10 @@ class Aedat4Blocks final : public EventBlocks {
   bool begins_recording_ = false;
 };
 
-/// Returns the streams of events, by their numbers.
 std::vector<Stream> streams_of_events(const Header& header) {
   std::vector<Stream> streams = header.streams;
   std::erase_if(streams, [](const Stream& stream) { return stream.type != "EVTS"; });
-  std::sort(streams.begin(), streams.end(), [](const Stream& a, const Stream& b) { return a.id < b.id; });
+  std::ranges::sort(streams, {}, &Stream::id);
   return streams;
 }
 

@@ -7,6 +7,7 @@
 
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
@@ -149,7 +150,7 @@ size_t find_text(std::span<const uint8_t> records) {
   size_t at = 0;
   for (; at < records.size(); at += kRecordBytes) {
     const auto record = records.subspan(at, kRecordBytes);
-    if (record[0] == '%' && std::all_of(record.begin(), record.end(), is_text)) break;
+    if (record[0] == '%' && std::ranges::all_of(record, is_text)) break;
   }
   return at / kRecordBytes;
 }
@@ -327,8 +328,7 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
                                              std::make_unique<TriggerFile>(source, header.bytes));
   }
   BlocksPtr triggers;
-  std::error_code error;
-  if (const auto path = source->path(); !path.empty() && std::filesystem::exists(trigger_path(path), error)) {
+  if (const auto path = source->path(); !path.empty() && is_present(trigger_path(path))) {
     E2LF_ASSIGN_OR_RETURN(SourcePtr side, open_file_source(trigger_path(path)));
     E2LF_ASSIGN_OR_RETURN(const Header of_side, read_header(*side));
     if (of_side.type == kTypeTrigger) triggers = std::make_unique<TriggerFile>(std::move(side), of_side.bytes);

@@ -243,8 +243,8 @@ const NpyArray* find_rows(const NpzArrays& arrays) {
   const auto named = arrays.find("events");
   if (named != arrays.end() && are_rows_of_events(named->second)) return &named->second;
   const auto are_rows = [](const auto& entry) { return are_rows_of_events(entry.second); };
-  const auto first = std::find_if(arrays.begin(), arrays.end(), are_rows);
-  return std::count_if(arrays.begin(), arrays.end(), are_rows) == 1 ? &first->second : nullptr;
+  const auto first = std::ranges::find_if(arrays, are_rows);
+  return std::ranges::count_if(arrays, are_rows) == 1 ? &first->second : nullptr;
 }
 
 /// Creates a reader of decoded arrays; `info` contains format and size.
@@ -279,7 +279,7 @@ bool detect_npz(std::span<const uint8_t> head) {
   if (head.size() < kLocalHeader + 5 || load_le<uint32_t>(head.data()) != 0x04034B50) return false;
   const std::string_view first(reinterpret_cast<const char*>(&head[kLocalHeader]), 5);
   constexpr std::string_view kColumns[] = {"x.npy", "y.npy", "p.npy", "t.npy", "xs.np", "ys.np", "ps.np", "ts.np"};
-  return std::find(std::begin(kColumns), std::end(kColumns), first) != std::end(kColumns);
+  return std::ranges::find(kColumns, first) != std::end(kColumns);
 }
 
 Result<ReaderPtr> open_npz(SourcePtr source, const OpenOptions& options) {
@@ -304,8 +304,7 @@ bool detect_npy(std::span<const uint8_t> head) {
   if (!header || !are_rows_of_events(header->array)) return false;
   const std::vector<NpyField>& fields = header->array.fields;
   const auto names_time = [](const NpyField& field) { return table::parse_column_name(field.name).field == Field::kT; };
-  return fields.empty() ||
-         (fields.size() >= table::kNumFields && std::any_of(fields.begin(), fields.end(), names_time));
+  return fields.empty() || (fields.size() >= table::kNumFields && std::ranges::any_of(fields, names_time));
 }
 
 Result<ReaderPtr> open_npy(SourcePtr source, const OpenOptions& options) {
@@ -331,12 +330,11 @@ std::map<std::string, std::filesystem::path> column_files(const std::filesystem:
   std::map<std::string, std::filesystem::path> files;
   std::vector<std::string> names;
   bool has_xy = false;
-  std::error_code error;
-  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string name = entry->path().stem().string();
+  for (const std::filesystem::path& path : paths_in(folder)) {
+    const std::string name = path.stem().string();
     const table::ColumnName column = table::parse_column_name(name);
-    if (entry->path().extension() != ".npy" || (!column.field && !column.is_xy)) continue;
-    files.emplace(name, entry->path());
+    if (path.extension() != ".npy" || (!column.field && !column.is_xy)) continue;
+    files.emplace(name, path);
     has_xy = has_xy || column.is_xy;
     names.push_back(name);
   }

@@ -151,8 +151,7 @@ class McapBag final : public Bag {
     const auto id = fields.number<uint16_t>();
     if (kind == kSchema && types_.size() < kMaxTopics) types_.emplace(id, text_of(fields));
     if (kind != kChannel && kind != kMessage) return false;
-    const auto channel =
-        std::find_if(channels_.begin(), channels_.end(), [id](const Channel& candidate) { return candidate.id == id; });
+    const auto channel = std::ranges::find_if(channels_, [id](const Channel& candidate) { return candidate.id == id; });
     if (kind == kChannel && channel == channels_.end() && channels_.size() < kMaxTopics) {
       const auto type = types_.find(fields.number<uint16_t>());
       if (type != types_.end() && is_event_type(type->second))
@@ -242,10 +241,9 @@ std::string uri_of(const std::filesystem::path& path) {
     }
   }
   // A recorder that was killed left the last messages in a journal, which only a writable database reads.
-  std::error_code error;
   std::filesystem::path journal = path;
   journal += "-wal";
-  return uri + (std::filesystem::exists(journal, error) ? "?mode=ro" : "?mode=ro&immutable=1");
+  return uri + (is_present(journal) ? "?mode=ro" : "?mode=ro&immutable=1");
 }
 
 class SqliteBag final : public Bag {
@@ -373,16 +371,10 @@ namespace {
 
 constexpr size_t kMaxFiles = 100'000;
 
-bool is_bag_file(const fs::path& path) {
-  return path.extension() == ".db3" || path.extension() == ".mcap";
-}
-
 std::vector<fs::path> files_of_folder(const fs::path& folder) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (is_bag_file(entry.path()) && files.size() < kMaxFiles) files.push_back(entry.path());
-  }
+  std::vector<fs::path> files = paths_in(folder);
+  std::erase_if(files, [](const fs::path& path) { return path.extension() != ".db3" && path.extension() != ".mcap"; });
+  files.resize(std::min(files.size(), kMaxFiles));
   std::ranges::sort(files, is_before_in_number_order);
   return files;
 }
@@ -422,8 +414,7 @@ class BagFiles final : public Bag {
 }  // namespace
 
 bool is_bag_folder(const fs::path& path) {
-  std::error_code error;
-  return fs::is_directory(path, error) && !files_of_folder(path).empty();
+  return is_folder(path) && !files_of_folder(path).empty();
 }
 
 Result<BagPtr> open_folder_bag(const fs::path& folder) {

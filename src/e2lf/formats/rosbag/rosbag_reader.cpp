@@ -54,10 +54,6 @@ class Fields : public Contents {
   size_t end_;
 };
 
-bool is_packet_type(const std::string& type) {
-  return type.starts_with("event_camera_msgs/") || type.starts_with("event_array_msgs/");
-}
-
 /// Appends individual events: x, y, seconds and nanoseconds since 1970, polarity.
 bool append_list(const EventMessage& message, EventBatch& batch) {
   Fields fields(message.payload, message.place);
@@ -87,7 +83,7 @@ std::optional<EventMessage> parse_message(const std::string& type, std::span<con
   EventMessage result;
   result.height = fields.number<uint32_t>();
   result.width = fields.number<uint32_t>();
-  if (is_packet_type(type)) {
+  if (type.starts_with("event_camera_msgs/") || type.starts_with("event_array_msgs/")) {
     result.number = fields.number<uint64_t>();
     result.time_base_ns = fields.number<uint64_t>();
     result.encoding = fields.text();

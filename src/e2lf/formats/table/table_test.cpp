@@ -3,7 +3,6 @@
 #include <functional>
 #include <gtest/gtest.h>
 
-#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "e2lf/learn/data/batches.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "e2lf/base/text.h"

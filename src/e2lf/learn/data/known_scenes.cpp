@@ -9,7 +9,6 @@
 
 #include "e2lf/learn/data/dataset.h"
 #include "e2lf/learn/data/draws.h"
-#include "e2lf/learn/data/synthesiser.h"
 
 namespace e2lf::learn {
 namespace {

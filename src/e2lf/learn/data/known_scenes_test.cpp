@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 #include <torch/torch.h>
 
-#include "e2lf/learn/data/synthesiser.h"
-
 namespace e2lf::learn {
 namespace {
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <torch/nn/functional/upsampling.h>
-#include <vector>
 
 #include "e2lf/base/result.h"
 #include "e2lf/learn/data/dataset.h"

@@ -7,7 +7,6 @@
 #include "e2lf/base/text.h"
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
-#include "e2lf/learn/network/network_module.h"
 #include "e2lf/model/layer_list.h"
 
 namespace e2lf::learn {

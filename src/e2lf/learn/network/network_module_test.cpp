@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "e2lf/learn/optimisers/optimisers.h"
-#include "e2lf/model/network.h"
 
 namespace e2lf::learn {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <torch/torch.h>
 
 #include "e2lf/base/text.h"

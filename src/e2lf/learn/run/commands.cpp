@@ -44,9 +44,8 @@ Result<Config> read_config(const std::filesystem::path& path, const std::vector<
 /// starting again.
 bool holds_a_false_start(const std::filesystem::path& folder, const Config& config) {
   const auto written = read_json(folder / "config.json");
-  std::error_code error;
-  return written && *written == to_json(config) && !std::filesystem::exists(folder / kCheckpoint, error) &&
-         !std::filesystem::exists(folder / (config.name + ".safetensors"), error);
+  return written && *written == to_json(config) && !is_present(folder / kCheckpoint) &&
+         !is_present(folder / (config.name + ".safetensors"));
 }
 
 /// Checks that a new run overwrites neither another run nor a file that happens to have one of its names.
@@ -86,8 +85,7 @@ Result<std::filesystem::path> run_and_export(const std::filesystem::path& config
   E2LF_ASSIGN_OR_RETURN(auto trainer, Trainer::create(config, peers));
   // The other processes receive the state of the first. A run that was killed before its first checkpoint starts
   // again.
-  std::error_code error;
-  if (!is_new && peers.leads() && std::filesystem::exists(run / kCheckpoint, error)) {
+  if (!is_new && peers.leads() && is_present(run / kCheckpoint)) {
     E2LF_RETURN_IF_ERROR(trainer.load_checkpoint(run / kCheckpoint));
   }
   keep_freed_memory();

@@ -2,7 +2,6 @@
 #include "e2lf/learn/run/peers.h"
 
 #include <arpa/inet.h>
-#include <charconv>
 #include <cstdlib>
 #include <netdb.h>
 #include <stdexcept>
@@ -54,14 +53,12 @@ Result<int> number_variable(const char* name, int low, int high) {
     return fail(ErrorCode::kInvalidValue, name, "the environment variable ", name,
                 " is missing; start with torchrun or set it");
   }
-  int value = 0;
-  const std::string_view view = text;
-  const auto [end, failure] = std::from_chars(view.data(), view.data() + view.size(), value);
-  if (failure != std::errc{} || end != view.data() + view.size() || value < low || value > high) {
-    return fail(ErrorCode::kInvalidValue, name, "\"", view, "\" is not a number from ", low, " to ", high,
+  const auto value = parse_number<int>(text);
+  if (!value || *value < low || *value > high) {
+    return fail(ErrorCode::kInvalidValue, name, "\"", text, "\" is not a number from ", low, " to ", high,
                 "; correct the variable");
   }
-  return value;
+  return *value;
 }
 
 /// Returns the first host of a list of Slurm: "node03" of "node[03-07,9],other".

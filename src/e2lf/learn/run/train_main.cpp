@@ -8,6 +8,7 @@
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/progress.h"
+#include "e2lf/files/file.h"
 #include "e2lf/learn/run/commands.h"
 #include "e2lf/terminal/progress_bar.h"
 
@@ -43,8 +44,7 @@ void print_warnings(e2lf::LogLevel level, const std::string& message) {
 e2lf::Result<void> print_model(const e2lf::Result<std::filesystem::path>& model, bool quiet) {
   if (!model) return model.error();
   e2lf::hide_progress();
-  std::error_code error;
-  if (!quiet && std::filesystem::exists(*model, error)) std::printf("model in %s\n", model->c_str());
+  if (!quiet && e2lf::is_present(*model)) std::printf("model in %s\n", model->c_str());
   return {};
 }
 

@@ -310,9 +310,8 @@ Result<ViewFiles> list_views(const fs::path& folder) {
 std::string unread_pictures_text(const fs::path& folder) {
   constexpr std::string_view kExtensions[] = {".exr", ".tif", ".tiff", ".bmp", ".webp", ".pfm", ".ppm", ".pgm"};
   std::map<std::string, size_t> counts;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    const std::string extension = lower_case(entry->path().extension().string());
+  for (const fs::path& file : paths_in(folder)) {
+    const std::string extension = lower_case(file.extension().string());
     if (std::ranges::find(kExtensions, extension) != std::end(kExtensions)) ++counts[extension];
   }
   if (counts.empty()) return "";

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "e2lf/base/text.h"
-#include "e2lf/model/onnx/onnx_graph.h"
 
 namespace e2lf::model {
 namespace {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <charconv>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,14 +18,6 @@ namespace e2lf::recordings {
 /// Returns text of a file or a device, such as the value of a header key, as one line of UTF-8 that is safe to print:
 /// bytes that are not UTF-8 are read as Latin-1, and control characters, which could command a terminal, become spaces.
 [[nodiscard]] std::string header_text(std::string_view bytes);
-
-/// Parses the whole text as a number; returns nothing for any other text.
-template <typename T>
-[[nodiscard]] std::optional<T> parse_number(std::string_view text) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
-}
 
 /// Parses a size of 1 to `most`, or two of them as in "1280x720"; returns nothing for any other text.
 [[nodiscard]] std::optional<size_t> parse_side(std::string_view text, size_t most);

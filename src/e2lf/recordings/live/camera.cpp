@@ -41,7 +41,7 @@ Registry& registry() {
 }
 
 const CameraPlugin* find_known(const std::vector<CameraPlugin>& plugins, const std::string& name) {
-  const auto found = std::find_if(plugins.begin(), plugins.end(), [&](const auto& one) { return one.name == name; });
+  const auto found = std::ranges::find_if(plugins, [&](const auto& one) { return one.name == name; });
   return found == plugins.end() ? nullptr : &*found;
 }
 
@@ -335,8 +335,7 @@ bool has_cameras() {
 }
 
 size_t replay_path_size(const std::string& address) {
-  std::error_code error;
-  return std::filesystem::exists(address, error) ? address.size() : std::min(address.rfind('?'), address.size());
+  return is_present(address) ? address.size() : std::min(address.rfind('?'), address.size());
 }
 
 std::vector<CameraPlugin> camera_plugins() {

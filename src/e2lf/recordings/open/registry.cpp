@@ -103,7 +103,7 @@ const Codec* codec_of_extension(const fs::path& path) {
   if (extension.empty()) return nullptr;
   for (const Codec* codec : codecs()) {
     const auto& known = codec->extensions;
-    if (std::find(known.begin(), known.end(), extension) != known.end()) return codec;
+    if (std::ranges::find(known, extension) != known.end()) return codec;
   }
   return nullptr;
 }
@@ -201,8 +201,8 @@ Result<const Codec*> codec_to_write(const fs::path& path, const std::string& for
 
 bool is_recording_folder(const fs::path& path) {
   const auto all = codecs();
-  return std::any_of(all.begin(), all.end(),
-                     [&](const Codec* codec) { return codec->is_folder != nullptr && codec->is_folder(path); });
+  return std::ranges::any_of(all,
+                             [&](const Codec* codec) { return codec->is_folder != nullptr && codec->is_folder(path); });
 }
 
 Result<ReaderPtr> open_recording(SourcePtr source, const OpenOptions& options) {
@@ -275,8 +275,7 @@ OutputRules output_rules(const std::vector<fs::path>& inputs, bool overwrite) {
     if (input.empty()) continue;
     const fs::path file = file_of_recording(input.string());
     rules.inputs.push_back(file.empty() ? input : file);
-    std::error_code error;
-    if (!fs::is_regular_file(file, error)) continue;
+    if (!is_file(file)) continue;
     rules.read_beside.push_back(record_path_beside(file));
     const auto codec = codec_to_write(file, "");
     if (codec && (*codec)->side_file != nullptr) rules.read_beside.push_back((*codec)->side_file(file));

@@ -7,7 +7,6 @@
 #define E2LF_EVENTS_EVT3_PLAIN_WORDS_INL_H
 #endif
 
-#include <algorithm>
 #include <bit>
 
 #include <hwy/highway.h>
