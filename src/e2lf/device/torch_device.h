@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "e2lf/engine/engine.h"
+
 /// Networks on the devices of torch, by the module that training uses.
 namespace e2lf::device {
 

@@ -8,6 +8,7 @@
 #include "e2lf/capture/measurement/recorded_setup.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/cycles/cycle_reader.h"
+#include "e2lf/files/bundled_files.h"  // for programs: it passes the folder of an installed package
 #include "e2lf/files/options.h"
 #include "e2lf/model/model.h"
 #include "e2lf/recordings/recording.h"
