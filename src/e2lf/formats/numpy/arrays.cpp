@@ -9,6 +9,7 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/memory.h"
 #include "e2lf/base/text.h"
+#include "e2lf/files/file.h"
 #include "e2lf/files/npy.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/formats/table/table.h"
