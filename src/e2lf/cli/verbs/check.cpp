@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // e2lf check: one page on a rig, from the first cycles of a recording or of a live camera
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/cli/flags/event_flags.h"
 #include "e2lf/cli/output/results.h"
