@@ -27,8 +27,8 @@ struct Window {
   double deviations, deviations_near;
 };
 constexpr std::array<Window, 2> kWindows = {{{1, 5, 5}, {2, 4, 3.5}}};
-constexpr size_t kReach = 2;     // of the largest window, in cells
-constexpr size_t kNear = 2;      // cells
+constexpr size_t kReach = kWindows.back().reach;  // of the largest window, in cells
+constexpr size_t kNear = 2;                       // cells
 constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
 /// Rows of cells that are compared and updated in turn, so that the counts and means are still in the cache.
 constexpr size_t kRowsInTurn = 8;
@@ -103,9 +103,10 @@ CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycle
   weights_ = {0, 1 << kMeanWeightBits};
   noise_of_residual_ = {2, 2};
   while (effective_.size() < kSettled * most_cycles) {
-    const double weight = 1 / static_cast<double>(std::min(effective_.size(), most_cycles));
+    const size_t cycles = std::min(effective_.size(), most_cycles);
+    const double weight = 1 / static_cast<double>(cycles);
     variance = (1 - weight) * (1 - weight) * variance + weight * weight;
-    weights_.push_back((1 << kMeanWeightBits) / static_cast<int>(std::min(effective_.size(), most_cycles)));
+    weights_.push_back((1 << kMeanWeightBits) / static_cast<int>(cycles));
     effective_.push_back(static_cast<float>(1 / variance));
     noise_of_residual_.push_back(1 + 1 / effective_.back());
   }
