@@ -88,6 +88,31 @@ void dilate_row(const std::vector<uint8_t>& mask, size_t height, size_t y, size_
   }
 }
 
+using Limits = std::array<std::array<float, 2>, 2>;
+
+/// Sets where sums over windows exceed one of the limits, multiplied by what noise makes of them.
+void exceed(const float* __restrict blocks, const float* __restrict cells, const float* __restrict expected,
+            const Limits& limits, const uint8_t* __restrict is_near, size_t count, uint8_t* __restrict is_found) {
+  const auto [far, near] = limits;
+  for (size_t x = 0; x < count; ++x) {
+    const float of_blocks = is_near[x] != 0 ? near[0] : far[0], of_cells = is_near[x] != 0 ? near[1] : far[1];
+    is_found[x] |= (blocks[x] > of_blocks * expected[x]) | (cells[x] > of_cells * expected[x]);
+  }
+}
+
+/// Adds a cycle to cells, of which those that have changed start again.
+void count_cycle(const uint8_t* __restrict is_changed, uint16_t most, size_t cells, uint16_t* __restrict added,
+                 uint8_t* __restrict unsettled) {
+  for (size_t x = 0; x < cells; ++x) {
+    const bool was_empty = added[x] == 0;  // the first cycle is no change
+    const auto settling = static_cast<uint8_t>(unsettled[x] - (unsettled[x] > 0 ? 1 : 0));
+    const uint8_t restarted = was_empty ? 0 : kUnsettledCycles;
+    unsettled[x] = is_changed[x] != 0 ? restarted : settling;
+    const auto before = static_cast<uint16_t>(is_changed[x] != 0 ? 0 : added[x]);
+    added[x] = std::min(static_cast<uint16_t>(before + 1), most);
+  }
+}
+
 size_t cells_of(size_t pixels) {
   return (pixels + kCell - 1) / kCell;
 }
@@ -100,13 +125,13 @@ CycleFusion::CycleFusion(const capture::SensorProfile& camera, size_t most_cycle
   // The weight w of a new cycle changes the relative variance v to (1 - w)^2 v + w^2.
   double variance = 1;
   effective_ = {0, 1};
-  weights_ = {0, 1 << kMeanWeightBits};
+  weights_ = {0, mean_weight(1)};
   noise_of_residual_ = {2, 2};
   while (effective_.size() < kSettled * most_cycles) {
     const size_t cycles = std::min(effective_.size(), most_cycles);
     const double weight = 1 / static_cast<double>(cycles);
     variance = (1 - weight) * (1 - weight) * variance + weight * weight;
-    weights_.push_back((1 << kMeanWeightBits) / static_cast<int>(cycles));
+    weights_.push_back(mean_weight(cycles));
     effective_.push_back(static_cast<float>(1 / variance));
     noise_of_residual_.push_back(1 + 1 / effective_.back());
   }
@@ -282,44 +307,27 @@ void CycleFusion::find_changes(size_t cell_y) {
     sum_rows(evidence.blocks, cells_y_, cell_y, kWindows[i].reach, blocks);
     sum_rows(evidence.cells, cells_y_, cell_y, kWindows[i].reach, cells);
     sum_rows(evidence.expected, cells_y_, cell_y, kWindows[i].reach, expected);
-    const auto [far, near] = evidence.limits;
-    for (size_t x = 0, count = cells_x_; x < count; ++x) {
-      const auto [of_blocks, of_cells] = is_near[x] != 0 ? near : far;
-      is_found[x] |= (blocks[x] > of_blocks * expected[x]) | (cells[x] > of_cells * expected[x]);
-    }
+    exceed(blocks.data(), cells.data(), expected.data(), evidence.limits, is_near, cells_x_, is_found);
   }
-}
-
-/// Adds a cycle to a cell, which starts again if it has changed.
-void CycleFusion::count_cycle(size_t cell) {
-  if (is_changed_[cell] != 0) {
-    unsettled_[cell] = added_[cell] > 0 ? kUnsettledCycles : 0;  // the first cycle is no change
-    added_[cell] = 0;
-  } else if (unsettled_[cell] > 0) {
-    --unsettled_[cell];
-  }
-  added_[cell] = static_cast<uint16_t>(std::min<size_t>(added_[cell] + 1U, effective_.size() - 1));
 }
 
 void CycleFusion::update_row(const PlanesView<const int16_t>& cycle, size_t cell_y) {
   const size_t width = fused_.counts.width, first = cell_y * kCell;
   const size_t end = std::min(fused_.counts.height, first + kCell);
-  std::vector<int32_t> weights(cells_x_ * kCell);
-  bool has_other_numbers = false;
-  const auto number_of = [&](size_t cell) { return unsettled_[cell] == 0 ? effective_[added_[cell]] : 1.0F; };
-  for (size_t x = 0; x < cells_x_; ++x) {
-    const size_t cell = cell_y * cells_x_ + x;
-    const float number = number_of(cell);
-    count_cycle(cell);
-    has_other_numbers |= number_of(cell) != number;
-    std::fill_n(weights.begin() + static_cast<ptrdiff_t>(x * kCell), kCell, weights_[added_[cell]]);
+  const size_t cells = cells_x_, begin = cell_y * cells;
+  uint16_t* const added = added_.data() + begin;
+  uint8_t* const unsettled = unsettled_.data() + begin;
+  const auto most = static_cast<uint16_t>(effective_.size() - 1);
+  count_cycle(is_changed_.data() + begin, most, cells, added, unsettled);
+  std::vector<int16_t> weights(cells * kCell);
+  std::vector<float> numbers(cells * kCell);
+  for (size_t x = 0; x < cells; ++x) {
+    std::fill_n(weights.data() + x * kCell, kCell, weights_[added[x]]);
+    std::fill_n(numbers.data() + x * kCell, kCell, unsettled[x] == 0 ? effective_[added[x]] : 1.0F);
   }
-  if (has_other_numbers) {
-    std::vector<float> numbers(weights.size());
-    for (size_t x = 0; x < numbers.size(); x += kCell) {
-      std::fill_n(numbers.begin() + static_cast<ptrdiff_t>(x), kCell, number_of(cell_y * cells_x_ + x / kCell));
-    }
-    for (size_t y = first; y < end; ++y) std::copy_n(numbers.begin(), width, fused_.cycles.values.data() + y * width);
+  float* const numbers_shown = fused_.cycles.values.data();
+  if (!std::equal(numbers.data(), numbers.data() + width, numbers_shown + first * width)) {
+    for (size_t y = first; y < end; ++y) std::copy_n(numbers.data(), width, numbers_shown + y * width);
   }
   std::vector<int16_t> scratch;
   const auto means = [&](size_t k, size_t y) { return fused_.counts.image(k).subspan(y * width, width); };

@@ -68,7 +68,6 @@ class CycleFusion {
   [[nodiscard]] float noise_of_cell(size_t cell_y, size_t cell_x);
   void find_changes(size_t cell_y);
   void update_row(const PlanesView<const int16_t>& cycle, size_t cell_y);
-  void count_cycle(size_t cell);
   template <class Body>
   void for_runs_alone(size_t cell_y, const Body& body) const;
   void restore_means(size_t cell_y);
@@ -78,7 +77,7 @@ class CycleFusion {
   // By the number of cycles added.
   std::vector<float> effective_;          ///< number of cycles
   std::vector<float> noise_of_residual_;  ///< variance of the residual, divided by that of one cycle
-  std::vector<int32_t> weights_;          ///< of the newest cycle, for add_to_means()
+  std::vector<int16_t> weights_;          ///< mean_weight() of the newest cycle
   capture::FusedCycles fused_;
   capture::EventImages hidden_means_;  ///< means where fused_ shows the newest cycle alone; undefined elsewhere
   size_t cycle_ = 0;                   ///< number of cycles since everything started

@@ -48,21 +48,22 @@ void BlockResiduals(const TwoRows& counts, const TwoRows& means, size_t width, i
   }
 }
 
-void AddToMeans(const int16_t* HWY_RESTRICT counts, const int32_t* HWY_RESTRICT weights, size_t width,
+void AddToMeans(const int16_t* HWY_RESTRICT counts, const int16_t* HWY_RESTRICT weights, size_t width,
                 int16_t* HWY_RESTRICT means) {
-  const hn::ScalableTag<int32_t> d;
-  const hn::Rebind<int16_t, decltype(d)> d16;
-  const auto half = hn::Set(d, 1 << (kMeanWeightBits - 1));
+  const hn::ScalableTag<int16_t> d;
+  const auto whole = hn::Set(d, kWholeWeight);
   size_t x = 0;
   for (; x + hn::Lanes(d) <= width; x += hn::Lanes(d)) {
-    const auto newest = hn::ShiftLeft<kShift>(Limited(d, hn::PromoteTo(d, hn::LoadU(d16, counts + x))));
-    const auto mean = hn::PromoteTo(d, hn::LoadU(d16, means + x));
-    const auto step = hn::Add(hn::Mul(hn::Sub(newest, mean), hn::LoadU(d, weights + x)), half);
-    hn::StoreU(hn::DemoteTo(d16, hn::Add(mean, hn::ShiftRight<kMeanWeightBits>(step))), d16, means + x);
+    const auto newest = hn::ShiftLeft<kShift>(Limited(d, hn::LoadU(d, counts + x)));
+    const auto mean = hn::LoadU(d, means + x), weight = hn::LoadU(d, weights + x);
+    const auto moved = hn::Add(mean, hn::MulFixedPoint15(hn::SaturatedSub(newest, mean), weight));
+    hn::StoreU(hn::IfThenElse(hn::Eq(weight, whole), newest, moved), d, means + x);
   }
   for (; x < width; ++x) {
-    const int step = (units_of(counts[x]) - means[x]) * weights[x] + (1 << (kMeanWeightBits - 1));
-    means[x] = static_cast<int16_t>(means[x] + (step >> kMeanWeightBits));
+    const int16_t newest = units_of(counts[x]);
+    const int difference = std::clamp(newest - means[x], INT16_MIN, INT16_MAX);
+    const int moved = means[x] + ((difference * weights[x] + (1 << 14)) >> 15);
+    means[x] = weights[x] == kWholeWeight ? newest : static_cast<int16_t>(moved);
   }
 }
 
@@ -94,7 +95,7 @@ void block_residuals(const TwoRows& counts, const TwoRows& means, size_t width, 
   HWY_DYNAMIC_DISPATCH(BlockResiduals)(counts, means, width, sums);
 }
 
-void add_to_means(const int16_t* counts, const int32_t* weights, size_t width, int16_t* means) {
+void add_to_means(const int16_t* counts, const int16_t* weights, size_t width, int16_t* means) {
   HWY_DYNAMIC_DISPATCH(AddToMeans)(counts, weights, width, means);
 }
 

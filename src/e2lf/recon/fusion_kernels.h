@@ -10,8 +10,12 @@
 
 namespace e2lf::recon {
 
-/// The weight 1 of a new cycle in a mean is 2^kMeanWeightBits.
-inline constexpr int kMeanWeightBits = 14;
+/// The weight of a new cycle in the mean of 1 to kMostFusedCycles cycles, in units of 2^-15. That of the first one, 1,
+/// is kWholeWeight, because 2^15 does not fit.
+constexpr int16_t kWholeWeight = INT16_MAX;
+constexpr int16_t mean_weight(size_t cycles) {
+  return cycles == 1 ? kWholeWeight : static_cast<int16_t>((1U << 15) / cycles);
+}
 
 /// The counts whose residuals are summed together, along each axis.
 inline constexpr size_t kBlock = 2;
@@ -28,9 +32,9 @@ using TwoRows = std::array<const int16_t*, kBlock>;
 /// means[row][x] in its rows.
 void block_residuals(const TwoRows& counts, const TwoRows& means, size_t width, int32_t* sums);
 
-/// Moves the means of a row towards the counts of a new cycle by weights[x] / 2^kMeanWeightBits of their difference,
-/// rounded to the nearest unit.
-void add_to_means(const int16_t* counts, const int32_t* weights, size_t width, int16_t* means);
+/// Moves the means of a row towards the counts of a new cycle by mean_weight() of their difference, which saturates in
+/// 16 bits, rounded to the nearest unit.
+void add_to_means(const int16_t* counts, const int16_t* weights, size_t width, int16_t* means);
 
 /// Adds the squares of the residuals of the two blocks of each cell, residuals[2 * x] and [2 * x + 1], to of_blocks[x],
 /// and the residuals to sums[x].

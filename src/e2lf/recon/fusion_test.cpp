@@ -155,18 +155,19 @@ TEST(FusionKernels, ComputeTheSameOnEveryInstructionSet) {
   std::mt19937 random(5);
   for (const size_t width : {1, 3, 16, 77}) {
     std::vector<int16_t> counts(2 * width), means(2 * width);
-    std::vector<int32_t> weights(width);
+    std::vector<int16_t> weights(width);
     for (size_t i = 0; i < 2 * width; ++i) {
       counts[i] = static_cast<int16_t>(i % 5 == 0 ? random() : random() % 9);  // some beyond the range of units
       means[i] = static_cast<int16_t>(random());
-      weights[i % width] = (1 << kMeanWeightBits) / static_cast<int32_t>(1 + random() % kMostFusedCycles);
+      weights[i % width] = mean_weight(1 + random() % kMostFusedCycles);
     }
     std::vector<int32_t> expected_sums((width + 1) / kBlock);
     for (size_t i = 0; i < 2 * width; ++i) expected_sums[i % width / kBlock] += units_of(counts[i]) - means[i];
     std::vector<int16_t> expected_means(width);
     for (size_t x = 0; x < width; ++x) {
-      const double weight = weights[x] / static_cast<double>(1 << kMeanWeightBits);
-      expected_means[x] = static_cast<int16_t>(std::floor(means[x] + (units_of(counts[x]) - means[x]) * weight + 0.5));
+      const int newest = units_of(counts[x]), difference = std::clamp(newest - means[x], INT16_MIN, INT16_MAX);
+      const double moved = std::floor(means[x] + difference * (weights[x] / 32768.0) + 0.5);
+      expected_means[x] = static_cast<int16_t>(weights[x] == kWholeWeight ? newest : moved);
     }
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
