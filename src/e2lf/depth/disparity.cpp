@@ -253,7 +253,9 @@ Result<DisparityRange> find_range(const LightField& light_field, const ViewIndex
   return DisparityRange{scale * sorted[few] - margin, scale * sorted[last - few] + margin};
 }
 
-Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOptions& options) {
+Result<void> check(const LightField& light_field, const ViewIndex& view, const DisparityOptions& options) {
+  constexpr float kLargest = 1e6F;  // the squares of larger values overflow
+  const Shape& shape = light_field.shape();
   if (shape.num_views() < 2 || shape.height == 0 || shape.width == 0) {
     return fail(ErrorCode::kShape, "", "a single view contains no disparity; give a light field of several views");
   }
@@ -271,6 +273,10 @@ Result<void> check(const Shape& shape, const ViewIndex& view, const DisparityOpt
     return fail(ErrorCode::kUnsupported, "", "views of ", shape.width, "x", shape.height,
                 " px may need more than 8 GiB; crop or reduce them");
   }
+  if (!std::ranges::all_of(light_field.data(), [](float value) { return std::abs(value) <= kLargest; })) {
+    return fail(ErrorCode::kInvalidValue, "",
+                "the light field contains NaN, infinity or values far outside [0, 1]; replace them first");
+  }
   return {};
 }
 
@@ -283,7 +289,7 @@ ViewIndex middle_view(const Shape& shape) {
 Result<DisparityMap> estimate_disparity(const LightField& light_field, const DisparityOptions& options,
                                         const ProgressFn& progress) {
   const ViewIndex view = options.view.value_or(middle_view(light_field.shape()));
-  E2LF_RETURN_IF_ERROR(check(light_field.shape(), view, options));
+  E2LF_RETURN_IF_ERROR(check(light_field, view, options));
   if (light_field.shape().channels != 1) return estimate_disparity(lightfield::to_grey(light_field), options, progress);
 
   std::optional<DisparityRange> range = options.range;

@@ -47,8 +47,8 @@ struct DisparityMap {
 /// 2. smooth_costs() smooths them along paths.
 /// 3. Twice, measure() refines them to fractions of the spacing, and fit_planes() fits planes to the result.
 /// The result does not depend on the number of threads. Fails with kShape (a single view, or no pixels), kNotFound (a
-/// view that does not exist), kInvalidValue (a range that is empty or not finite), kUnsupported (more than 8 GiB of
-/// memory) and kCancelled (a stop was requested).
+/// view that does not exist), kInvalidValue (a range that is empty or not finite, NaN, infinity or values far outside
+/// [0, 1]), kUnsupported (more than 8 GiB of memory) and kCancelled (a stop was requested).
 [[nodiscard]] Result<DisparityMap> estimate_disparity(const lightfield::LightField& light_field,
                                                       const DisparityOptions& options = {},
                                                       const ProgressFn& progress = {});

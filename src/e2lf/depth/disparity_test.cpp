@@ -181,6 +181,11 @@ TEST(Disparity, RefusesWhatHasNone) {
   const float infinity = std::numeric_limits<float>::infinity();
   EXPECT_EQ(estimate_disparity(light_field, {.view = {}, .range = DisparityRange{0, infinity}}).error().code,
             ErrorCode::kInvalidValue);
+  for (const float value : {std::numeric_limits<float>::quiet_NaN(), -infinity, 1e38F}) {
+    LightField damaged({2, 2, 8, 8, 1});
+    damaged.data()[3] = value;
+    EXPECT_EQ(estimate_disparity(damaged).error().code, ErrorCode::kInvalidValue) << value;
+  }
 }
 
 }  // namespace
