@@ -100,6 +100,7 @@ writer=$!
 kill "$writer" 2>/dev/null || true
 check "$(tail -n 1 pipe.json | py -c 'import json, sys; j = json.load(sys.stdin)["totals"]; print(j["cycles"] >= 5 and j["seconds"] < 30)')"
 fails 1 "give replay:FILE" "$E2LF" live six.raw --no-page
+fails 2 "65535" "$E2LF" live replay:six.raw --port 70000
 fails 1 "-o" "$E2LF" live replay:six.raw --no-page --record
 fails 1 "e2lf-n8" "$E2LF" live replay:six.raw --no-page -m "$SOURCES/models/e2lf-n8.safetensors" --patterns 4
 fails 1 "complete pattern" "$E2LF" live replay:six.raw --no-page -m "$model" --source triggers --channel 7

@@ -348,8 +348,8 @@ int run_live(const std::vector<std::string>& arguments) {
   app.add_option("--seconds", live_arguments.seconds, "end after this time; 0 = when the source ends or on Ctrl-C")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_option("--port", live_arguments.port, "port of 127.0.0.1 on which the page is served; 0 = a free one")
-      ->capture_default_str();
+  add_count(app, "--port", live_arguments.port, 0, 65535,
+            "port of 127.0.0.1 on which the page is served; 0 = a free one");
   add_cycle_options(app, live_arguments.cycles);
   add_orientation_options(app, live_arguments.orientation);
   verb.stop_gently();

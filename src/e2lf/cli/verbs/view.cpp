@@ -330,8 +330,7 @@ int run_view(const std::vector<std::string>& arguments) {
   app.add_option("--disparity", view_arguments.disparity,
                  "disparity map to show over the first light field: .npy, .pfm, or a folder of `e2lf depth`");
   app.add_option("--export", view_arguments.page, "write a self-contained HTML file instead of serving");
-  app.add_option("--port", view_arguments.port, "port of 127.0.0.1 to serve on; 0 = any free one")
-      ->capture_default_str();
+  add_count(app, "--port", view_arguments.port, 0, 65535, "port of 127.0.0.1 to serve on; 0 = any free one");
   add_count(app, "--frames", view_arguments.frames, 1, 10000, "recordings: number of images over time");
   add_light_field_options(app, view_arguments.light_field, /*has_views=*/true);
   add_orientation_options(app, view_arguments.light_field.orientation);
