@@ -226,4 +226,12 @@ fs::path record_path_beside(const fs::path& file) {
   return path;
 }
 
+fs::path path_beside(const fs::path& file, fs::path (*name_beside)(const fs::path&)) {
+  fs::path beside = name_beside(file);
+  if (is_there(beside)) return beside;
+  std::error_code error;
+  const fs::path target = fs::canonical(file, error);
+  return error ? beside : name_beside(target);
+}
+
 }  // namespace e2lf

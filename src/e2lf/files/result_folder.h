@@ -52,4 +52,9 @@ class ResultFolder {
 /// Returns "<file>.run.json", where a verb that writes a single file keeps its record.
 [[nodiscard]] std::filesystem::path record_path_beside(const std::filesystem::path& file);
 
+/// Returns the path that `name_beside` derives from `file`. If nothing is there and `file` is a link, it is derived
+/// from what the link leads to, because outputs through a link are written there.
+[[nodiscard]] std::filesystem::path path_beside(const std::filesystem::path& file,
+                                                std::filesystem::path (*name_beside)(const std::filesystem::path&));
+
 }  // namespace e2lf

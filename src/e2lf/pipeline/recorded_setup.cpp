@@ -75,7 +75,7 @@ Json with_size(Json note, const fs::path& recording) {
 std::optional<Json> note_beside(const fs::path& named, const char* key) {
   const fs::path recording = recordings::file_of_recording(named.string());
   if (recording.empty()) return std::nullopt;
-  const fs::path path = record_path_beside(recording);
+  const fs::path path = path_beside(recording, record_path_beside);
   if (!is_file(path)) return std::nullopt;
   const auto record = read_json(path);
   if (!record || !record->is_object() || !record->contains("notes") || !record->at("notes").contains(key)) {
@@ -101,7 +101,7 @@ Json setup_notes(const capture::RecordedSetup& setup, const fs::path& recording)
 
 Result<capture::RecordedSetup> recorded_setup(const fs::path& recording, const recordings::RecordingInfo& info) {
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, capture::setup_from_header(info.header, recording.string()));
-  const std::string beside = record_path_beside(recording).string();
+  const std::string beside = path_beside(recording, record_path_beside).string();
   if (const auto note = note_beside(recording, kCodesNote); note && !setup.codes) {
     E2LF_ASSIGN_OR_RETURN(setup.codes, capture::codes_from_json(*note, beside));
   }

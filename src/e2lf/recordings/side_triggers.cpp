@@ -8,6 +8,7 @@
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/recordings/io/header_text.h"
 
 namespace e2lf::recordings {
@@ -76,8 +77,9 @@ std::filesystem::path side_trigger_path(const std::filesystem::path& recording) 
 
 Result<BlocksPtr> open_side_triggers(const std::filesystem::path& recording) {
   if (recording.empty()) return BlocksPtr();
-  if (!is_present(side_trigger_path(recording))) return BlocksPtr();
-  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(side_trigger_path(recording)));
+  const std::filesystem::path path = path_beside(recording, side_trigger_path);
+  if (!is_present(path)) return BlocksPtr();
+  E2LF_ASSIGN_OR_RETURN(auto source, open_file_source(path));
   E2LF_ASSIGN_OR_RETURN(const auto head, source->fetch(kDetectBytes));
   const std::string_view first = as_text(head).substr(0, as_text(head).substr(0, kDetectBytes).find('\n'));
   if (!is_trigger_header(first)) {

@@ -15,9 +15,9 @@ namespace e2lf::recordings {
 
 [[nodiscard]] std::filesystem::path side_trigger_path(const std::filesystem::path& recording);
 
-/// Opens the triggers beside a recording. Returns null if there is no such file, or if `recording` is empty. Lines that
-/// cannot be read are counted in the reader's summary (kBadRecord). Fails with kIo, and with kFormat if the file does
-/// not begin with the names of the columns.
+/// Opens the triggers beside a recording, or beside the file that it is a link to. Returns null if there is no such
+/// file, or if `recording` is empty. Lines that cannot be read are counted in the reader's summary (kBadRecord). Fails
+/// with kIo, and with kFormat if the file does not begin with the names of the columns.
 [[nodiscard]] Result<BlocksPtr> open_side_triggers(const std::filesystem::path& recording);
 
 /// Returns the triggers in the text of a source.

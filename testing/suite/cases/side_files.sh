@@ -64,6 +64,8 @@ for flag in "" --overwrite; do
   }
 done
 refused "is an input" "$E2LF" convert far/link.csv far/kept.csv --overwrite
+mkdir links && ln -s ../in.csv links/in.csv && ln -s ../x_cd.dat links/other.dat
+refused "is an input" "$E2LF" convert links/in.csv in_triggers.csv --overwrite
 "$E2LF" convert without.raw bb.csv --quiet
 # A recording that has such a name is not read as triggers, and not replaced as them.
 cp in.csv bb_triggers.csv
@@ -72,3 +74,13 @@ fails 1 "triggers of bb.csv" "$E2LF" info bb.csv
 cp x_cd.dat y_trigger.dat
 fails 1 "write" "$E2LF" convert with.raw y_cd.dat --overwrite
 cmp x_cd.dat y_trigger.dat
+
+# A link leads to the side files of its target: outputs through it are written there.
+for name in links/in.csv links/other.dat; do
+  [ "$(triggers "$name")" = "$all" ] || fail "$name: triggers"
+done
+"$E2LF" convert with.raw turned.npz --turn-views --quiet 2>warnings.txt
+ln -s ../turned.npz links/turned.npz
+"$E2LF" accumulate links/turned.npz -o images.npz --source triggers --quiet
+[ "$(py -c 'import numpy as np; print(bytes(np.load("images.npz")["views"]).decode())')" = turned ] ||
+  fail "the orientation of the views in the record of a link's target"

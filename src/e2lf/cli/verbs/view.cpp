@@ -73,7 +73,7 @@ std::vector<fs::path> files_of(const fs::path& path) {
 
 /// Returns the view that the record of `e2lf depth` states; maps of other programs have no record.
 depth::ViewIndex view_of(const fs::path& path, const lightfield::Shape& shape) {
-  const auto record = read_json(is_folder(path) ? path / "run.json" : record_path_beside(path));
+  const auto record = read_json(is_folder(path) ? path / "run.json" : path_beside(path, record_path_beside));
   const depth::ViewIndex middle = depth::middle_view(shape);
   if (!record) return middle;
   const Json::json_pointer place("/notes/maps/0/view");

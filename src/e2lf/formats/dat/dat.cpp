@@ -8,6 +8,7 @@
 #include "e2lf/base/little_endian.h"
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
+#include "e2lf/files/result_folder.h"
 #include "e2lf/formats/codecs.h"
 #include "e2lf/recordings/batch_check.h"
 #include "e2lf/recordings/event_blocks.h"
@@ -328,8 +329,9 @@ Result<ReaderPtr> open(SourcePtr source, const OpenOptions& options) {
                                              std::make_unique<TriggerFile>(source, header.bytes));
   }
   BlocksPtr triggers;
-  if (const auto path = source->path(); !path.empty() && is_present(trigger_path(path))) {
-    E2LF_ASSIGN_OR_RETURN(SourcePtr side, open_file_source(trigger_path(path)));
+  const auto beside = source->path().empty() ? std::filesystem::path() : path_beside(source->path(), trigger_path);
+  if (is_present(beside)) {
+    E2LF_ASSIGN_OR_RETURN(SourcePtr side, open_file_source(beside));
     E2LF_ASSIGN_OR_RETURN(const Header of_side, read_header(*side));
     if (of_side.type == kTypeTrigger) triggers = std::make_unique<TriggerFile>(std::move(side), of_side.bytes);
   }

@@ -276,9 +276,9 @@ OutputRules output_rules(const std::vector<fs::path>& inputs, bool overwrite) {
     const fs::path file = file_of_recording(input.string());
     rules.inputs.push_back(file.empty() ? input : file);
     if (!is_file(file)) continue;
-    rules.read_beside.push_back(record_path_beside(file));
+    rules.read_beside.push_back(path_beside(file, record_path_beside));
     const auto codec = codec_to_write(file, "");
-    if (codec && (*codec)->side_file != nullptr) rules.read_beside.push_back((*codec)->side_file(file));
+    if (codec && (*codec)->side_file != nullptr) rules.read_beside.push_back(path_beside(file, (*codec)->side_file));
   }
   return rules;
 }
