@@ -8,6 +8,7 @@
 #include "e2lf/base/text.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
+#include "e2lf/files/output.h"
 #include "e2lf/learn/run/run_log.h"
 #include "e2lf/learn/run/torch_setup.h"
 #include "e2lf/learn/run/trainer.h"
@@ -100,8 +101,7 @@ Result<std::filesystem::path> run_and_export(const std::filesystem::path& config
 }
 
 /// Checks that an export does not replace a file that its run needs to continue.
-Result<void> check_export(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
-  E2LF_RETURN_IF_ERROR(check_output(model, overwrite));
+Result<void> check_export(const std::filesystem::path& run, const std::filesystem::path& model) {
   std::vector<std::string> names = RunLog::file_names();
   names.insert(names.end(), {kCheckpoint, "config.json"});
   for (const std::string& name : names) {
@@ -129,10 +129,12 @@ Result<std::filesystem::path> resume(const std::filesystem::path& run, const std
 
 Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model, bool overwrite) {
   return guarded(run, [&]() -> Result<void> {
-    E2LF_RETURN_IF_ERROR(check_export(run, model, overwrite));
+    E2LF_RETURN_IF_ERROR(check_export(run, model));
+    E2LF_ASSIGN_OR_RETURN(auto output, OutputFile::create(model, {.overwrite = overwrite, .ending = ".safetensors"}));
     E2LF_ASSIGN_OR_RETURN(const auto trainer, open_run(run, {}));
     E2LF_ASSIGN_OR_RETURN(const model::Model trained, trainer.to_model());
-    return model::write_model(model, trained);
+    E2LF_RETURN_IF_ERROR(model::write_model(output.path(), trained));
+    return output.commit();
   });
 }
 

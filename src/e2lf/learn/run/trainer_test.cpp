@@ -282,6 +282,11 @@ TEST(Commands, TrainWritesLogsAndAModelThatReconstructionCanRead) {
   for (const char* part : {"checkpoint.safetensors", "config.json", "log.csv"}) {
     EXPECT_EQ(export_run(run, run / part, /*overwrite=*/true).error().code, ErrorCode::kInvalidValue) << part;
   }
+  EXPECT_EQ(export_run(run, data.folder() / "model.npz", /*overwrite=*/false).error().code, ErrorCode::kInvalidValue);
+  std::ofstream(data.folder() / "earlier.safetensors") << "earlier";
+  std::filesystem::create_symlink("earlier.safetensors", data.folder() / "link.safetensors");
+  EXPECT_TRUE(export_run(run, data.folder() / "link.safetensors", /*overwrite=*/true));
+  EXPECT_TRUE(model::read_model(data.folder() / "earlier.safetensors"));
   EXPECT_TRUE(resume(run, {"train.steps=10"}));
   const auto table = evaluate_run(run, {"first", "second"});
   ASSERT_TRUE(table) << table.error().text();
