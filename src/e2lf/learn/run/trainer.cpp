@@ -306,6 +306,10 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
                           const std::function<bool()>& keep_going) {
   const auto checkpoint = folder / "checkpoint.safetensors";
   E2LF_RETURN_IF_ERROR(start_together());
+  if (step_ > config_.train.steps) {
+    return fail(ErrorCode::kInvalidValue, "train.steps", "the run has already trained ", step_,
+                " steps; give at least as many");
+  }
   if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
   const RunLog log(folder, figures());
   const auto draw_curves = [&]() -> Result<void> {

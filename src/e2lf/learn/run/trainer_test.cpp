@@ -288,6 +288,7 @@ TEST(Commands, TrainWritesLogsAndAModelThatReconstructionCanRead) {
   EXPECT_TRUE(export_run(run, data.folder() / "link.safetensors", /*overwrite=*/true));
   EXPECT_TRUE(model::read_model(data.folder() / "earlier.safetensors"));
   EXPECT_TRUE(resume(run, {"train.steps=10"}));
+  EXPECT_EQ(resume(run, {"train.steps=9"}).error().code, ErrorCode::kInvalidValue);
   const auto table = evaluate_run(run, {"first", "second"});
   ASSERT_TRUE(table) << table.error().text();
   EXPECT_NE(table->find("second\t"), std::string::npos);
