@@ -96,15 +96,18 @@ int main(int argc, char** argv) {
   e2lf::set_log_sink(print_warnings);
   e2lf::set_option_spelling([](const std::string& name) { return name == "overwrite" ? "--overwrite" : ""; });
 
+  // An option that a verb does not have is refused.
+  const bool is_export = names[0] == "export", has_output = is_export || names[0] == "train";
+  if (has_output == output.empty() || (is_export ? !overrides.empty() : overwrite)) return usage_error();
   e2lf::ProgressBar bar(names[0], quiet);
   e2lf::Result<void> result;
-  if (names[0] == "train" && names.size() == 2 && !output.empty()) {
+  if (names[0] == "train" && names.size() == 2) {
     result = print_model(e2lf::learn::train(names[1], output, overrides, bar.callback(), keep_going), quiet);
   } else if (names[0] == "resume" && names.size() == 2) {
     result = print_model(e2lf::learn::resume(names[1], overrides, bar.callback(), keep_going), quiet);
   } else if (names[0] == "evaluate" && names.size() > 2) {
     result = print(e2lf::learn::evaluate_run(names[1], {names.begin() + 2, names.end()}, overrides));
-  } else if (names[0] == "export" && names.size() == 2 && !output.empty()) {
+  } else if (is_export && names.size() == 2) {
     result = e2lf::learn::export_run(names[1], output, overwrite);
   } else {
     return usage_error();
