@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "python/binding/arrays.h"
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -84,6 +85,15 @@ std::vector<float> values_of(const py::array& array, const char* name) {
   return {floats.data(), floats.data() + floats.size()};
 }
 
+void check_finite(const LightFieldView& field, const char* name) {
+  without_gil([&]() -> Result<void> {
+    bool is_finite = true;
+    for_each_value(field, [&](float value) { is_finite = is_finite && std::isfinite(value); });
+    if (is_finite) return {};
+    return Error{ErrorCode::kInvalidValue, "it contains NaN or infinity; replace them first", name};
+  });
+}
+
 }  // namespace
 
 py::array to_array(lightfield::LightField light_field) {
@@ -132,7 +142,9 @@ LentLightField light_field_of(const py::array& array, const char* name) {
     throw ResultError(shape_error(array, name, "[view_y, view_x, y, x], or with [channel] of 3 at the end"));
   }
   const py::array floats = holds<float>(array) ? array : py::array(floats_of(array, name));
-  return {floats, view_of<const float, 5>(floats)};
+  LentLightField field{floats, view_of<const float, 5>(floats)};
+  check_finite(*field, name);
+  return field;
 }
 
 LightFieldOutput output_of(const py::array& array, const lightfield::Shape& shape, const char* name) {

@@ -40,7 +40,7 @@ using LentImages = Lent<PlanesView<const int16_t>>;
 [[nodiscard]] py::object to_array(const std::optional<capture::Codes>& codes);
 
 /// Convert arrays to the types of the library. They fail with kShape (a wrong number of axes) and kInvalidValue (a
-/// wrong type, or counts beyond int16); `name` is the location in errors.
+/// wrong type, counts beyond int16, or light fields with NaN or infinity); `name` is the location in errors.
 [[nodiscard]] LentLightField light_field_of(const py::array& array, const char* name);
 [[nodiscard]] LentImages event_images_of(const py::array& array, const char* name);
 [[nodiscard]] lightfield::Image image_of(const py::array& array, const char* name);

@@ -101,9 +101,11 @@ assert e2lf.psnr(scene, scene) == np.inf and e2lf.auto_gain(scene) == 1
                     call()
                 self.assertNotIn("\n", str(caught.exception))
         wrong[3, 4, 5, 6] = np.nan
-        for measure in (e2lf.psnr, e2lf.ssim, e2lf.compare):
-            with self.assertRaises(e2lf.Error):
-                measure(scene, wrong)
+        for call in (lambda: e2lf.psnr(scene, wrong), lambda: e2lf.ssim(scene, wrong), lambda: e2lf.compare(scene, wrong),
+                     lambda: e2lf.depth(wrong), lambda: e2lf.refocus(wrong, 1), lambda: e2lf.write_light_field("nan.npy", wrong)):
+            with self.assertRaisesRegex(e2lf.Error, "NaN"):
+                call()
+        self.assertFalse(Path("nan.npy").exists())
         for call in (lambda: e2lf.demo_scene(-5, 32), lambda: e2lf.simulate(scene, codes, seed=-1),
                      lambda: e2lf.paper_schedule(-4), lambda: e2lf.horizontal_epi(scene, -1, 0)):
             with self.assertRaises(ValueError) as caught:

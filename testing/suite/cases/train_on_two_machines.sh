@@ -2,6 +2,10 @@
 # one process, a lost peer, and going on with another number of processes.
 train=$(dirname "$E2LF")/e2lf-train
 [ -x "$train" ] || skip "built without torch"
+# An option that a verb does not have is refused.
+for useless in "resume run -o model.safetensors" "export run -o model.safetensors --set train.steps=1" "evaluate run a --overwrite"; do
+  fails 2 "usage" "$train" $useless
+done
 [ "$(id -u)" -eq 0 ] && command -v ip >ip.txt || skip "network namespaces need root and iproute2"
 one=e2lf_a_$$ two=e2lf_b_$$
 ip netns add $one 2>netns.txt || skip "this machine does not allow network namespaces"
