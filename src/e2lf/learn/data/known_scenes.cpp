@@ -16,6 +16,7 @@ namespace {
 constexpr double kMostView = 3.5;       // view steps from the centre of the aperture
 constexpr double kSteepest = 0.1;       // slope of a disparity, by which the points of a view are found in few steps
 constexpr double kRoomShare = 0.6;      // of the scenes; the others consist of many surfaces of any outline
+constexpr double kFarWallShare = 0.5;   // of the rooms: their walls lie behind what the lens is focused on
 constexpr double kChequerShare = 0.05;  // of walls and planes
 constexpr double kProceduralShare = 0.4;
 constexpr size_t kScenesAhead = 8;
@@ -40,15 +41,19 @@ class ScenePainter {
         half_(0.5 * static_cast<double>(side_)),
         x_(torch::arange(side_, torch::device(device).dtype(torch::kFloat)) - 0.5 * static_cast<double>(side_ - 1)),
         y_(x_.unsqueeze(1)) {
-    const double limit = options.max_disparity * kLimits[draws_.below(kLimits.size())];
-    high_ = draws_.uniform(-0.5, 1) * limit;
-    low_ = -limit + (high_ + limit) * draws_.uniform();
+    place_between(-0.5, options.max_disparity * kLimits[draws_.below(kLimits.size())]);
   }
 
   /// Returns surfaces from back to front.
   std::vector<Surface> paint() { return draws_.chance(kRoomShare) ? room() : clutter(); }
 
  private:
+  /// Draws the farthest disparity, above a fraction of the limit, and the nearest one.
+  void place_between(double least_high, double limit) {
+    high_ = draws_.uniform(least_high, 1) * limit;
+    low_ = -limit + (high_ + limit) * draws_.uniform();
+  }
+
   template <size_t kNumber>
   size_t draw_number(const std::array<double, kNumber>& shares) {
     double left = draws_.uniform();
@@ -229,6 +234,7 @@ class ScenePainter {
 
   /// Returns a wall, planes that meet it in a line, most often floors, and things before them, in light from one side.
   std::vector<Surface> room() {
+    if (draws_.chance(kFarWallShare)) place_between(0.2, options_.max_disparity);
     std::vector<Surface> surfaces = {{plane_at(high_, 0.4), {}, {}}};
     const Plane wall = surfaces.front().plane;
     Plane behind = wall;
