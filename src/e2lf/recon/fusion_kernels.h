@@ -32,8 +32,8 @@ using TwoRows = std::array<const int16_t*, kBlock>;
 /// means[row][x] in its rows.
 void block_residuals(const TwoRows& counts, const TwoRows& means, size_t width, int32_t* sums);
 
-/// Moves the means of a row towards the counts of a new cycle by mean_weight() of their difference, which saturates in
-/// 16 bits, rounded to the nearest unit.
+/// Moves the means of a row towards the counts of a new cycle by their difference, which saturates in 16 bits, times
+/// weights[x], as of mean_weight(), rounded to the nearest unit.
 void add_to_means(const int16_t* counts, const int16_t* weights, size_t width, int16_t* means);
 
 /// Adds the squares of the residuals of the two blocks of each cell, residuals[2 * x] and [2 * x + 1], to of_blocks[x],

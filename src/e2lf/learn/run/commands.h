@@ -28,9 +28,9 @@ namespace e2lf::learn {
                                                    const ProgressFn& progress = {},
                                                    const std::function<bool()>& keep_going = {});
 
-/// Exports the averaged weights of the last checkpoint as a model file, which a link leads to. Fails with kExists if
-/// the file exists and `overwrite` is false, and with kInvalidValue if it is a file that the run needs or not named
-/// .safetensors.
+/// Exports the averaged weights of the last checkpoint as a model file; if `model` is a link, its target is written.
+/// Fails with kExists if the file exists and `overwrite` is false, and with kInvalidValue if it is a file that the run
+/// needs or not named .safetensors.
 [[nodiscard]] Result<void> export_run(const std::filesystem::path& run, const std::filesystem::path& model,
                                       bool overwrite);
 
