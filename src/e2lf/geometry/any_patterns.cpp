@@ -316,9 +316,9 @@ bool has_inputs_of_any_patterns(const model::Model& model) {
 
 /// Adapts the network of disparity that views follow.
 Result<model::Model> guided_for_patterns(const model::Model& views, const capture::Codes& codes) {
-  if (model::is_picture_network(views)) {
+  if (model::reads_moved_pictures(views)) {
     E2LF_ASSIGN_OR_RETURN(model::Model of_events, for_patterns(views.open_guide->disparity, codes));
-    return rendered_for_patterns(views, std::move(of_events), codes);
+    return views_for_patterns(views, std::move(of_events), codes);
   }
   if (views.codes.value_or(codes) != codes || views.num_patterns != codes.num_patterns) {
     return fail(ErrorCode::kInvalidValue, views.name, "its views were trained for other patterns; use another model");

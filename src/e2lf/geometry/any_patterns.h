@@ -21,15 +21,16 @@ namespace e2lf::geometry {
 /// known; other models are returned as they are. Fails as for_patterns() does.
 [[nodiscard]] Result<model::Model> for_own_patterns(model::Model model);
 
-/// Returns how networks of the central picture read the pictures behind `codes`, for a network of disparity with the
-/// input groups `input`. Fails with kUnsupported if `codes` are those of a whole cycle, and as describe_aperture()
+/// Returns how networks that read InputKind::kMoved read the pictures behind `codes`, for a network of disparity with
+/// the input groups `input`. Fails with kUnsupported if `codes` are those of a whole cycle, and as describe_aperture()
 /// does.
-[[nodiscard]] Result<model::CentralInput> central_input(const capture::Codes& codes,
-                                                        const std::vector<model::InputGroup>& input);
+[[nodiscard]] Result<model::MovedInput> moved_input(const capture::Codes& codes,
+                                                    const std::vector<model::InputGroup>& input);
 
-/// Composes a network of the central picture (model::is_picture_network()) with one of disparity that was adapted to
-/// `codes`. Fails as central_input() and model::rendered() do.
-[[nodiscard]] Result<model::Model> rendered_for_patterns(model::Model picture, model::Model disparity,
-                                                         const capture::Codes& codes);
+/// Composes a network of views that reads moved pictures (model::reads_moved_pictures()) with one of disparity that was
+/// adapted to `codes`. Fails with kUnsupported if it gives fewer views than the patterns have cells, and as
+/// moved_input() and model::on_moved_pictures() do.
+[[nodiscard]] Result<model::Model> views_for_patterns(model::Model views, model::Model disparity,
+                                                      const capture::Codes& codes);
 
 }  // namespace e2lf::geometry

@@ -14,10 +14,6 @@ using Matrix3 = std::array<Vector3, 3>;
 /// The second moments of a pattern about its centroid, in squared view steps: along rows, along columns, and mixed.
 using Spread = std::array<double, 3>;
 
-/// The areas of the lit patterns of e2lf-n4, as shares of the open aperture: what networks learn is relative to them.
-/// The last one stands for all later patterns.
-constexpr std::array<double, kSlots> kAreas = {5.0 / 64, 8.0 / 64, 7.0 / 64};
-
 Spread measure(std::span<const float> pattern, size_t columns, double area, double reference_y, double reference_x,
                size_t number, AperturePicture& picture) {
   double row = 0, column = 0;
@@ -35,8 +31,8 @@ Spread measure(std::span<const float> pattern, size_t columns, double area, doub
   picture.offset_y = row - reference_y;
   picture.offset_x = column - reference_x;
   picture.area = area / static_cast<double>(pattern.size());
-  picture.log_area = std::log(picture.area / kAreas[std::min(number, kSlots - 1)]);
-  picture.gain = kAreas[1] / picture.area;
+  picture.log_area = std::log(picture.area / kPlaceAreas[std::min(number, kSlots - 1)]);
+  picture.gain = kPlaceAreas[1] / picture.area;
   picture.weight = 1 / (0.5 + spread[0] + spread[1]);
   return spread;
 }
@@ -82,6 +78,31 @@ void fill_slots(std::vector<AperturePicture>& pictures) {
   pictures[0].slots[0] = pictures[1].slots[1] = 1;
   for (size_t p = last; p < pictures.size(); ++p) {
     pictures[p].slots[kSlots - 1] = 1 / static_cast<double>(pictures.size() - last);
+  }
+}
+
+/// Distributes the pictures over the places, by their squared distances in view steps, and balances the shares until
+/// both sums are right (Sinkhorn's algorithm).
+void fill_places(std::vector<AperturePicture>& pictures) {
+  constexpr size_t kIterations = 500;
+  constexpr double kNegligible = 1e-12;  // keeps pictures that are far from all places
+  const double of_each = static_cast<double>(kSlots) / static_cast<double>(pictures.size());
+  for (AperturePicture& picture : pictures) {
+    for (size_t place = 0; place < kSlots; ++place) {
+      const double dy = picture.offset_y - kPlaces[place][0], dx = picture.offset_x - kPlaces[place][1];
+      picture.places[place] = picture.weight * std::max(std::exp(-0.5 * (dy * dy + dx * dx)), kNegligible);
+    }
+  }
+  for (size_t i = 0; i < kIterations; ++i) {
+    for (AperturePicture& picture : pictures) {
+      const double sum = std::accumulate(picture.places.begin(), picture.places.end(), 0.0);
+      for (double& share : picture.places) share *= of_each / sum;
+    }
+    for (size_t place = 0; place < kSlots; ++place) {
+      double sum = 0;
+      for (const AperturePicture& picture : pictures) sum += picture.places[place];
+      for (AperturePicture& picture : pictures) picture.places[place] /= sum;
+    }
   }
 }
 
@@ -160,6 +181,7 @@ Result<Aperture> describe_aperture(const capture::Codes& codes) {
   }
   fit_moments(aperture.pictures);
   fill_slots(aperture.pictures);
+  fill_places(aperture.pictures);
   aperture.constants = constants_of(aperture.pictures, spreads);
   return aperture;
 }

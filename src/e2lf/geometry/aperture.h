@@ -24,10 +24,19 @@ struct AperturePicture {
   double gain = 1;                        ///< what makes the intensities behind all patterns alike
   double weight = 1;                      ///< in comparisons: sharper pictures have more; 1 in the mean
   std::array<double, kSlots> slots = {};  ///< coefficients of this picture in the slots
+  /// Shares of this picture in those that are moved to the places of the patterns of e2lf-n4. Each place takes pictures
+  /// with a sum of 1, most of those whose centroids are near, and all pictures give the same in total.
+  std::array<double, kSlots> places = {};
   /// Coefficients of this picture in the central picture and in its derivatives with respect to the row and the column
   /// of the viewpoint.
   std::array<double, 3> moments = {};
 };
+
+/// The centroids of the lit patterns of e2lf-n4 from view (4, 4), (row, column), view steps.
+inline constexpr std::array<std::array<double, 2>, kSlots> kPlaces = {{{-1.2, -2.6}, {1.875, 1.875}, {-16.0 / 7, 2}}};
+
+/// Their areas, as shares of the open aperture: what networks learn is relative to them.
+inline constexpr std::array<double, kSlots> kPlaceAreas = {5.0 / 64, 8.0 / 64, 7.0 / 64};
 
 /// The pictures of a sequence of patterns, and constants that describe it: areas and centroids of the slots, the noise
 /// that the fit amplifies, second moments of the patterns, their range, and the number of pictures.

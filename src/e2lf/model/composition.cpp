@@ -210,6 +210,16 @@ void add_guided(Graph& graph, const std::string& views, size_t number) {
   graph.conv("guided", "differences", guided).residual = views;
 }
 
+/// Adds views that follow the disparity where the picture has weak texture.
+void add_following(Graph& graph, const std::string& of_views, const std::string& of_disparity, const Model& views,
+                   const Guide& guide) {
+  graph.conv("picture", of_views, central_picture(views.views_y, views.views_x));
+  add_muting(graph, guide.weak_texture);
+  add_surface(graph, of_disparity, viewpoints(views.views_y, middle_of(views.views_y)),
+              viewpoints(views.views_x, middle_of(views.views_x)));
+  add_guided(graph, of_views, views.views_y * views.views_x);
+}
+
 /// Builds the paper's sensor into the weights of a network that is conditioned on the camera. Its layers then need the
 /// other inputs and a channel of ones.
 Result<void> build_in_paper(Model& disparity) {
@@ -272,6 +282,12 @@ Result<void> add_unused_inputs(const std::vector<InputGroup>& all, Model& model)
                 "its inputs have another order or scale than those of the other network; use networks with the same");
 }
 
+Result<void> check_limit(const Model& views, const Guide& guide) {
+  if (guide.weak_texture > 0.0F && guide.weak_texture <= 1.0F) return {};
+  return misfit(views.name,
+                cat("the limit of weak texture is ", guide.weak_texture, "; use more than 0, and at most 1"));
+}
+
 Result<void> check_that_both_fit(const Model& views, const Model& disparity) {
   if (is_depth_network(views)) return misfit(views.name, "it gives disparities; name a network of views");
   if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
@@ -280,39 +296,33 @@ Result<void> check_that_both_fit(const Model& views, const Model& disparity) {
                 cat("it was trained for other patterns than ", views.name, "; use networks for the same patterns"));
 }
 
-// The central picture.
+// Moved pictures.
 
-constexpr const char* kCentral = "central_";
+constexpr const char* kOfMoved = "views_";
 constexpr double kFarthestRead = 3.6;  ///< px per view step: as far as pictures are moved
 
-/// Replaces the input of the first layer, whose kernel is its stride, by what InputKind::kCentral is made of.
-Result<void> read_central_input(const CentralInput& input, size_t channels, Model& picture) {
-  Layer& first = picture.network.layers.front();
-  const auto reads_input = [](const Layer& layer) { return std::ranges::count(layer.inputs, "input") > 0; };
-  if (!is_picture_network(picture) || first.op != Op::kConv || first.kernel != first.stride ||
-      std::ranges::count_if(picture.network.layers, reads_input) != 1) {
-    return misfit(picture.name,
-                  "the first layer must be a convolution whose kernel is its stride, and the only one "
-                  "that reads the input");
+Matrix matrix_of(const LinearStep& step) {
+  Matrix matrix(step.bias.size(), step.weight.size() / step.bias.size());
+  matrix.values = step.weight;
+  return matrix;
+}
+
+Layer warp(std::string name, std::vector<std::string> inputs, std::vector<double> offsets) {
+  return {.name = std::move(name),
+          .op = "warp",
+          .inputs = std::move(inputs),
+          .attributes = {{"offsets", std::move(offsets)}, {"disparities", {-kFarthestRead, kFarthestRead}}}};
+}
+
+/// Returns the choice of as many views of `views` as `fewer` has, with the same reference view.
+Matrix views_around_reference(const Model& views, const Model& fewer) {
+  const size_t top = views.views_y / 2 - fewer.views_y / 2, left = views.views_x / 2 - fewer.views_x / 2;
+  Matrix chosen(fewer.views_y * fewer.views_x, views.views_y * views.views_x);
+  for (size_t view = 0; view < chosen.rows; ++view) {
+    const size_t row = top + view / fewer.views_x, column = left + view % fewer.views_x;
+    chosen(view, row * views.views_x + column) = 1;
   }
-  const size_t taps = first.kernel * first.kernel;
-  const std::vector<float>& central = picture.weights.at(first.name + ".weight");
-  std::vector<float>& bias = picture.weights.at(first.name + ".bias");
-  std::vector<float> weight(first.out_channels * channels * taps);
-  for (size_t out = 0; out < first.out_channels; ++out) {
-    for (size_t plane = 0; plane < kCentralPlanes; ++plane) {
-      for (size_t tap = 0; tap < taps; ++tap) {
-        const float share = central[(out * kCentralPlanes + plane) * taps + tap];
-        bias[out] += share * input.bias[plane];
-        for (size_t c = 0; c < channels; ++c) {
-          weight[(out * channels + c) * taps + tap] += share * input.weight[plane * channels + c];
-        }
-      }
-    }
-  }
-  picture.weights[first.name + ".weight"] = std::move(weight);
-  picture.network.input_channels = channels;
-  return {};
+  return chosen;
 }
 
 }  // namespace
@@ -341,10 +351,7 @@ Result<Model> at_two_scales(Model network, float share) {
 
 Result<Model> guided(Model views, Model disparity, const Guide& guide) {
   E2LF_RETURN_IF_ERROR(check_that_both_fit(views, disparity));
-  if (!(guide.weak_texture > 0.0F && guide.weak_texture <= 1.0F)) {
-    return misfit(views.name,
-                  cat("the limit of weak texture is ", guide.weak_texture, "; use more than 0, and at most 1"));
-  }
+  E2LF_RETURN_IF_ERROR(check_limit(views, guide));
   WeightedNetwork both;
   const bool has_known_camera = is_conditioned_on_camera(disparity) && !is_conditioned_on_camera(views);
   if (has_known_camera) E2LF_RETURN_IF_ERROR(build_in_paper(disparity));
@@ -357,11 +364,7 @@ Result<Model> guided(Model views, Model disparity, const Guide& guide) {
   append({std::move(disparity.network), std::move(disparity.weights)}, kGuide, input, both);
   append({std::move(views.network), std::move(views.weights)}, "", "input", both);
   Graph graph(both);
-  graph.conv("picture", of_views, central_picture(views.views_y, views.views_x));
-  add_muting(graph, guide.weak_texture);
-  add_surface(graph, of_disparity, viewpoints(views.views_y, middle_of(views.views_y)),
-              viewpoints(views.views_x, middle_of(views.views_x)));
-  add_guided(graph, of_views, views.views_y * views.views_x);
+  add_following(graph, of_views, of_disparity, views, guide);
   views.network = std::move(both.network);
   views.weights = std::move(both.weights);
   views.precision_loss = {};
@@ -369,45 +372,70 @@ Result<Model> guided(Model views, Model disparity, const Guide& guide) {
   return views;
 }
 
-Layer warp_to_centre(std::vector<double> offsets) {
-  return {.name = "moved",
-          .op = "warp",
-          .inputs = {},
-          .attributes = {{"offsets", std::move(offsets)}, {"disparities", {-kFarthestRead, kFarthestRead}}}};
+std::vector<Layer> moves_to_place(const MovedInput& input, size_t place, const std::string& pictures,
+                                  const std::string& disparity) {
+  constexpr size_t kIterations = 2;
+  const double row = input.places[2 * place], column = input.places[2 * place + 1];
+  std::vector<Layer> layers;
+  std::string there = disparity;
+  for (size_t i = 0; i < kIterations; ++i) {
+    layers.push_back(warp(cat("place", place, "_disparity", i), {disparity, there}, {-row, -column}));
+    there = layers.back().name;
+  }
+  std::vector<double> offsets;
+  for (size_t p = 0; p < input.pictures.size(); p += 2) {
+    offsets.insert(offsets.end(), {input.pictures[p] - row, input.pictures[p + 1] - column});
+  }
+  layers.push_back(warp(cat("place", place), {pictures, there}, std::move(offsets)));
+  return layers;
 }
 
-Result<Model> rendered(Model picture, Model disparity, const CentralInput& input) {
+Result<Model> on_moved_pictures(Model views, Model disparity, const MovedInput& input, const Guide& guide) {
   if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
+  if (!reads_moved_pictures(views)) return misfit(views.name, "it reads events; name a network of moved pictures");
+  E2LF_RETURN_IF_ERROR(check_limit(views, guide));
   const size_t inputs = disparity.network.input_channels, moved = input.moved.size();
-  E2LF_RETURN_IF_ERROR(read_central_input(input, inputs + moved + kDepthOutputs, picture));
   WeightedNetwork both;
   both.network.input_channels = inputs;
   const std::string of_disparity = kGuide + disparity.network.layers.back().name;
-  const std::string of_picture = kCentral + picture.network.layers.back().name;
   append({std::move(disparity.network), std::move(disparity.weights)}, kGuide, "input", both);
   Graph graph(both);
-  Matrix chosen(moved, inputs), base(1, moved);
-  for (size_t c = 0; c < moved; ++c) {
-    chosen(c, input.moved[c]) = 1;
-    base(0, c) = input.base[c];
+  Matrix chosen(moved, inputs);
+  for (size_t c = 0; c < moved; ++c) chosen(c, input.moved[c]) = 1;
+  graph.conv("coded_pictures", "input", chosen);
+  std::vector<std::string> known = {"input"};
+  for (size_t place = 0; place < input.num_places(); ++place) {
+    for (Layer& layer : moves_to_place(input, place, "coded_pictures", of_disparity)) graph.add(std::move(layer));
+    known.push_back(both.network.layers.back().name);
   }
-  graph.conv("pictures", "input", chosen);
-  graph.add(warp_to_centre(input.offsets));
-  both.network.layers.back().inputs = {"pictures", of_disparity};
-  graph.conv("base", "moved", base);
-  graph.concat("central_input", {"input", "moved", of_disparity});
-  append({std::move(picture.network), std::move(picture.weights)}, kCentral, "central_input", both);
-  graph.add({.name = "picture", .op = Op::kAdd, .inputs = {"base", of_picture}});
-  add_surface(graph, of_disparity, viewpoints(picture.views_y, static_cast<double>(picture.views_y / 2)),
-              viewpoints(picture.views_x, static_cast<double>(picture.views_x / 2)));
-  picture.input = disparity.input;
-  picture.num_patterns = disparity.num_patterns;
-  picture.codes = disparity.codes;
-  picture.black_first = disparity.black_first;
-  picture.network = std::move(both.network);
-  picture.weights = std::move(both.weights);
-  picture.provenance["disparity_of"] = disparity.name;
-  return picture;
+  known.push_back(of_disparity);
+  graph.concat("known", known);
+  std::string last = "known";
+  for (const LinearStep& step : input.rectified) {
+    const std::string number = std::to_string(known.size());
+    graph.relu("rectified" + number, last, matrix_of(step), step.bias);
+    known.push_back("rectified" + number);
+    graph.concat("known" + number, {last, known.back()});
+    last = "known" + number;
+  }
+  graph.conv("planes", last, matrix_of(input.planes), input.planes.bias);
+  std::string of_views = kOfMoved + views.network.layers.back().name;
+  append({std::move(views.network), std::move(views.weights)}, kOfMoved, "planes", both);
+  if (disparity.views_y != views.views_y || disparity.views_x != views.views_x) {
+    graph.conv("own_views", of_views, views_around_reference(views, disparity));
+    of_views = "own_views";
+    views.views_y = disparity.views_y;
+    views.views_x = disparity.views_x;
+  }
+  add_following(graph, of_views, of_disparity, views, guide);
+  views.input = disparity.input;
+  views.num_patterns = disparity.num_patterns;
+  views.codes = disparity.codes;
+  views.black_first = disparity.black_first;
+  views.network = std::move(both.network);
+  views.weights = std::move(both.weights);
+  views.provenance["disparity_of"] = disparity.name;
+  return views;
 }
 
 }  // namespace e2lf::model

@@ -14,7 +14,8 @@ namespace e2lf::model {
 /// How the views of one network follow the disparity of another where the picture has no more than weak texture, as
 /// model files state it under `composed_of`. There, the parallax of a network of views collapses towards zero.
 struct Guide {
-  /// Names of the two model files, without extension. A file without `views` holds a network of the central picture.
+  /// Names of the two model files, without extension. A file without `views` holds a network that reads
+  /// InputKind::kMoved.
   std::string views = {}, disparity = {};
   /// Where the mean absolute detail of the central picture is below this share of white, the views become those of
   /// this picture on a surface at the disparity. Where it is above twice as much, they are not changed.
@@ -33,27 +34,37 @@ struct Guide {
 /// each network must have its own. Fails with kInvalidValue if the two do not fit together.
 [[nodiscard]] Result<Model> guided(Model views, Model disparity, const Guide& guide);
 
-/// How a network of the central picture reads the events behind certain patterns. All weights belong to the inputs of
-/// the network of disparity, in their order.
-struct CentralInput {
-  std::vector<double> offsets;  ///< of P pictures from the reference view, (row, column), view steps
-  std::vector<size_t>
-      moved;  ///< the input channels that are moved to it by the disparity, feature g of picture p at g P + p
-  std::vector<float> base;  ///< weights of the moved channels in the picture to which the network adds its output
-  /// Weights [kCentralPlanes, inputs + moved + kDepthOutputs] and bias of InputKind::kCentral.
+/// Linear combinations of channels: weights [bias.size(), channels], row-major.
+struct LinearStep {
   std::vector<float> weight, bias;
 };
 
-/// Composes a network that makes a sharp central picture of the pictures behind the patterns, which the disparity moves
-/// to the central view, and that renders this picture to views [views_y, views_x] of `picture` on a surface at the
-/// disparity. The result has the name and the properties of `picture`, and the inputs of `disparity`. Fails with
-/// kInvalidValue unless is_picture_network(picture), its first layer alone reads the input by a convolution without
-/// padding, and `disparity` gives disparities.
-[[nodiscard]] Result<Model> rendered(Model picture, Model disparity, const CentralInput& input);
+/// How a network that reads InputKind::kMoved reads the events behind certain patterns. All weights belong to the
+/// inputs of the network of disparity, in their order.
+struct MovedInput {
+  std::vector<double> pictures;  ///< offsets of P pictures from the reference view, (row, column), view steps
+  std::vector<double> places;    ///< offsets of K viewpoints to which each picture is moved by the disparity
+  std::vector<size_t> moved;     ///< the input channels that are moved, feature g of picture p at g P + p
+  /// What is made of the channels that are known: those of the input, what was moved to each place, and disparity and
+  /// logarithm of its scale. Each step adds its results to them; the last one, which is not rectified, gives
+  /// InputKind::kMoved.
+  std::vector<LinearStep> rectified = {};
+  LinearStep planes = {};
 
-/// Returns the layer of rendered() that moves the pictures behind the patterns, with `offsets` of CentralInput, to the
-/// central view.
-[[nodiscard]] Layer warp_to_centre(std::vector<double> offsets);
+  [[nodiscard]] size_t num_places() const { return places.size() / 2; }
+};
+
+/// Composes a network of views that reads InputKind::kMoved with one of disparity, which moves the pictures behind the
+/// patterns, and which the views follow as those of guided() do. The result has the name and the properties of `views`,
+/// and the inputs of `disparity`; of the views, it has as many around the reference view as the patterns of `disparity`
+/// have cells. Fails with kInvalidValue unless reads_moved_pictures(views) and `disparity` gives disparities.
+[[nodiscard]] Result<Model> on_moved_pictures(Model views, Model disparity, const MovedInput& input,
+                                              const Guide& guide);
+
+/// Returns the layers of on_moved_pictures() that move the layer `pictures` to a place: the disparity is moved there
+/// first, by a fixed-point iteration, and the pictures by the result, which are the last layer.
+[[nodiscard]] std::vector<Layer> moves_to_place(const MovedInput& input, size_t place, const std::string& pictures,
+                                                const std::string& disparity);
 
 /// A guide by a network for any patterns, or by one for patterns similar to those of views whose file states none,
 /// which waits for the patterns of the events. Model::open_guide refers to it in models whose other members are those

@@ -31,21 +31,21 @@ enum class InputKind {
   kImages,      ///< scale * the coded intensity image of each of N patterns
   kImageSum,    ///< scale * the one intensity image that integrates all patterns
   kLensArray,   ///< scale * each of 64 views from a lens array, interpolated bilinearly between lens centres
-  /// What is known of the central picture whatever the patterns are, kCentralPlanes channels: the slots of the levels
-  /// and of the intensities (geometry::Aperture), moved to the reference view by the disparity; both where the events
-  /// were; two means of the moved light, by the areas and by the sharpness of the patterns; disparity and logarithm of
-  /// its scale, times 0.3; the number of cycles (capture::cycles_condition()); and, constant over the image, the
-  /// aperture, the sensor, and the slots of the transmissions. Only composed models have it (composition.h).
-  kCentral,
+  /// What is known whatever the patterns are, kMovedPlanes channels, of the pictures behind the patterns that were
+  /// moved by the disparity to the viewpoints of the lit patterns of e2lf-n4 (geometry::kPlaces): the inputs of
+  /// e2lf-n4-camera (counts, cumulative counts, intensities, and the camera); the slots of the levels and of the
+  /// intensities (geometry::Aperture) where the events were; disparity and logarithm of its scale, times 0.3; and,
+  /// constant over the image, the aperture. Only composed models have it (composition.h).
+  kMoved,
 };
 
-inline constexpr size_t kCentralPlanes = 52;
+inline constexpr size_t kMovedPlanes = 52;
 
 /// Their names in files.
 inline constexpr Choice<InputKind> kInputKinds[] = {
     {"counts", InputKind::kCounts},       {"cumulative", InputKind::kCumulative}, {"level", InputKind::kLevel},
     {"intensity", InputKind::kIntensity}, {"camera", InputKind::kCamera},         {"images", InputKind::kImages},
-    {"image-sum", InputKind::kImageSum},  {"lens-array", InputKind::kLensArray},  {"central", InputKind::kCentral},
+    {"image-sum", InputKind::kImageSum},  {"lens-array", InputKind::kLensArray},  {"moved", InputKind::kMoved},
 };
 
 struct InputGroup {
@@ -124,8 +124,8 @@ struct Model {
   return is_for_any_patterns(model) || model.is_adapted;
 }
 
-/// Returns true for networks of the central picture, which read InputKind::kCentral and have one output channel.
-[[nodiscard]] bool is_picture_network(const Model& model);
+/// Returns true for networks of views for any patterns, which read InputKind::kMoved.
+[[nodiscard]] bool reads_moved_pictures(const Model& model);
 
 /// Checks that all fields are consistent: channels, codes and weights (all present, of the right size, and finite).
 /// `location` names the file in errors.

@@ -216,7 +216,7 @@ struct Composition {
   PrecisionLoss loss;
   fs::path views, disparity;  ///< the files of the parts
   std::string location;       ///< of the parts, in errors
-  /// Whether the file holds a network of the central picture, in place of the name of one of views.
+  /// Whether the file holds a network of moved pictures, in place of the name of one of views.
   [[nodiscard]] bool has_own_network() const { return guide.views.empty(); }
 };
 
@@ -265,12 +265,12 @@ Result<Model> compose(const Composition& of, const std::string& file) {
   return model;
 }
 
-/// Returns the network of the central picture that a file holds, with the network of disparity that it names.
-Result<Model> with_disparity(Model picture, const Composition& of) {
-  if (!is_picture_network(picture)) {
+/// Returns the network of moved pictures that a file holds, with the network of disparity that it names.
+Result<Model> with_disparity(Model views, const Composition& of) {
+  if (!reads_moved_pictures(views)) {
     return fail(ErrorCode::kFormat, of.location,
-                "no network of views is named, and the network of this file does not make a central picture; name one "
-                "as `views`, and remove the tensors");
+                "no network of views is named, and the network of this file does not read moved pictures; name one as "
+                "`views`, and remove the tensors");
   }
   E2LF_ASSIGN_OR_RETURN(Model disparity,
                         read_part(of.disparity, of.location + ".disparity", of.guide.share_of_full_scale));
@@ -278,9 +278,9 @@ Result<Model> with_disparity(Model picture, const Composition& of) {
     return fail(ErrorCode::kUnsupported, of.location + ".disparity", disparity.name,
                 " was trained for its own patterns; name a network for any patterns");
   }
-  picture.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
-  picture.parts = {of.disparity};
-  return picture;
+  views.open_guide = std::make_shared<const OpenGuide>(OpenGuide{of.guide, std::move(disparity)});
+  views.parts = {of.disparity};
+  return views;
 }
 
 }  // namespace
@@ -290,9 +290,9 @@ Result<Model> decode_model(std::span<const uint8_t> bytes, const std::string& fi
   E2LF_ASSIGN_OR_RETURN(const Json json, header_of(tensors, file));
   if (!json.is_object() || !json.contains(kComposedOf)) {
     E2LF_ASSIGN_OR_RETURN(Model model, decode_own_weights(std::move(tensors), json, file, std::nullopt));
-    if (!is_picture_network(model)) return model;
+    if (!reads_moved_pictures(model)) return model;
     return fail(ErrorCode::kUnsupported, cat(file, ": ", kMetadataKey, ": $"),
-                "a network of the central picture needs one of disparity; name it as `", kComposedOf, ".disparity`");
+                "a network of moved pictures needs one of disparity; name it as `", kComposedOf, ".disparity`");
   }
   E2LF_ASSIGN_OR_RETURN(const Composition composition, read_composition(json, file, folder));
   if (composition.has_own_network()) {
@@ -339,7 +339,7 @@ Result<bool> is_video_model(const std::filesystem::path& path) {
 
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   // The network of disparity stays in its own file.
-  const bool has_part = is_picture_network(model) && model.open_guide;
+  const bool has_part = reads_moved_pictures(model) && model.open_guide;
   if (has_part) {
     Model own = model;
     own.open_guide = nullptr;

@@ -90,7 +90,7 @@ Result<void> check_network(const Model& model, const std::string& location) {
                   ErrorCode::kShape);
   }
   const LayerShape output = shapes->back();
-  const size_t views = is_picture_network(model) ? 1 : model.views_y * model.views_x;
+  const size_t views = model.views_y * model.views_x;
   if ((output.channels != views && !is_depth_network(model)) || output.scale != 1) {
     return refuse(location, "network",
                   cat("the last layer has ", output.channels, " channels at scale ", output.scale, ", not ", views,
@@ -200,8 +200,8 @@ size_t num_input_channels(InputKind kind, size_t num_patterns) {
       return 1;
     case InputKind::kLensArray:
       return capture::kLensPixels * capture::kLensPixels;
-    case InputKind::kCentral:
-      return kCentralPlanes;
+    case InputKind::kMoved:
+      return kMovedPlanes;
   }
   return 0;
 }
@@ -233,12 +233,12 @@ Result<capture::MeasurementKind> measurement_of(const std::vector<InputGroup>& g
 
 bool is_conditioned_on_camera(const Model& model) {
   return std::any_of(model.input.begin(), model.input.end(), [](const InputGroup& group) {
-    return group.kind == InputKind::kCamera || group.kind == InputKind::kCentral;
+    return group.kind == InputKind::kCamera || group.kind == InputKind::kMoved;
   });
 }
 
-bool is_picture_network(const Model& model) {
-  return model.input.size() == 1 && model.input[0].kind == InputKind::kCentral;
+bool reads_moved_pictures(const Model& model) {
+  return model.input.size() == 1 && model.input[0].kind == InputKind::kMoved;
 }
 
 }  // namespace e2lf::model

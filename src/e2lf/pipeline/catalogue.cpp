@@ -14,9 +14,10 @@ namespace {
 
 /// Tells whether a network for any patterns can be adapted to these.
 bool can_be_adapted(const model::StatedModel& stated, const capture::Codes& codes) {
-  const bool needs_lit_ones = model::is_picture_network(stated.model);
-  return stated.is_for_any_patterns && capture::is_black_first(codes) &&
-         !(needs_lit_ones && capture::codes_of_whole_cycle(codes));
+  if (!stated.is_for_any_patterns || !capture::is_black_first(codes)) return false;
+  const model::Model& model = stated.model;
+  return !model::reads_moved_pictures(model) ||
+         (model.views_y >= codes.views_y && model.views_x >= codes.views_x && !capture::codes_of_whole_cycle(codes));
 }
 
 bool is_suitable(const model::StatedModel& stated, const ModelNeeds& needs) {

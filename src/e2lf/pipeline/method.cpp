@@ -135,7 +135,7 @@ Result<void> open_network(MethodChoice& choice, OpenedMethod& opened) {
   E2LF_RETURN_IF_ERROR(choose_network(choice, opened, opened.bundled));
   model::Model& model = *choice.model;
   E2LF_RETURN_IF_ERROR(check_output(choice.algorithm, model));
-  opened.are_views_of_unstated_patterns = !model.codes && !model::is_picture_network(model);
+  opened.are_views_of_unstated_patterns = !model.codes && !model::reads_moved_pictures(model);
   E2LF_RETURN_IF_ERROR(adapt_to_patterns(choice, model));
   E2LF_RETURN_IF_ERROR(check_input(choice, model));
   opened.codes = known_codes(choice.codes, choice.events.codes, &model);

@@ -172,14 +172,13 @@ Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes c
 
 KnownScene DepthBatches::random_scene(Draws& draws) const {
   if (draws.chance(config_.data.synthetic_share)) return pool_[draws.below(pool_.size())];
-  return scaled_part(dataset_.scenes[real_[draws.below(real_.size())]], static_cast<int64_t>(config_.train.patch),
-                     draws);
+  return scaled_part(dataset_.scenes[real_[draws.below(real_.size())]], config_.data.synthesiser.size, draws);
 }
 
 std::vector<capture::Codes> DepthBatches::draw_codes(Draws& draws) const {
   if (!config_.patterns.drawn) return std::vector(config_.train.batch, codes_);
   const size_t num_lit = draw_number_lit(draws);
-  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3 && !config_.network.gives_picture();
+  const bool is_whole = draws.chance(kWholeCycleShare) && num_lit == 3 && !config_.reads_moved_pictures();
   std::vector<capture::Codes> drawn;
   for (uint64_t i = 0; i < config_.train.batch; ++i) {
     drawn.push_back(draw_patterns(num_lit, known_, draws));
@@ -209,7 +208,7 @@ DepthBatch DepthBatches::at(uint64_t step, Share share) {
   if (camera_) apply_camera(config_.sensor, *camera_, numbers, 1, draws, conditions);
 
   torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step));
-  const auto size = static_cast<int64_t>(config_.train.patch), all = static_cast<int64_t>(batch);
+  const auto size = config_.data.synthesiser.size, all = static_cast<int64_t>(batch);
   const CycleParts parts = draw_cycles(config_.sensor.cycles_share, all, size, draws);
   auto cycles = torch::full({all, size, size}, static_cast<double>(parts.first), torch::kFloat);
   if (parts.is_second.defined()) cycles.masked_fill_(parts.is_second, static_cast<double>(parts.second));
@@ -222,13 +221,12 @@ DepthBatch DepthBatches::at(uint64_t step, Share share) {
   result.cycles = cycles.narrow(0, first, length).to(device_);
   result.disparity = torch::stack(disparities).narrow(0, first, length).contiguous();
   result.gain = conditions.gain.narrow(0, first, length);
-  auto light_field = torch::stack(std::vector(views.begin() + first, views.begin() + first + length))
-                         .to(torch::kFloat)
-                         .permute({0, 3, 1, 2});
-  result.central = light_field.select(1, kCentre) / 255.0;
-  light_field.mul_((result.gain / 255.0).reshape({-1, 1, 1, 1}));
+  result.views = torch::stack(std::vector(views.begin() + first, views.begin() + first + length))
+                     .to(torch::kFloat)
+                     .permute({0, 3, 1, 2});
+  result.views.mul_((result.gain / 255.0).reshape({-1, 1, 1, 1}));
   torch::manual_seed(mix_seed(config_.seed, kDepthNoise, step) + static_cast<uint64_t>(share.rank));
-  result.events = simulate_cycles(light_field, result.codes, result.constants,
+  result.events = simulate_cycles(result.views, result.codes, result.constants,
                                   conditions.residue.narrow(0, first, length), result.cycles);
   return result;
 }

@@ -16,8 +16,8 @@ struct DepthBatch {
   torch::Tensor events;     ///< [batch, transitions, y, x], averaged over the cycles
   torch::Tensor cycles;     ///< their number, float32 [batch, y, x]
   torch::Tensor disparity;  ///< of view (4, 4), px per view step, NaN if it is not known, float32 [batch, y, x]
-  torch::Tensor central;    ///< view (4, 4) of the scene at a gain of 1, float32 [batch, y, x]
-  torch::Tensor gain;       ///< brightness of the scene that the events are of, float32 [batch]
+  torch::Tensor views;      ///< of the scene that the events are of, float32 [batch, 64, y, x]
+  torch::Tensor gain;       ///< by which it is darker than the one it was made of, float32 [batch]
   std::vector<capture::Codes> codes;  ///< the patterns of each sample: black first, or a whole cycle
   SampleConstants constants;          ///< with conditioning vectors for one cycle
 };

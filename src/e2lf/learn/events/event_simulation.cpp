@@ -244,8 +244,8 @@ torch::Tensor form_inputs(const torch::Tensor& events, const std::vector<model::
       case model::InputKind::kLensArray:
         channels.push_back(lens_views(images) * group.scale);
         break;
-      case model::InputKind::kCentral:
-        E2LF_REQUIRE(false, "a network of the central picture is trained with one of disparity");
+      case model::InputKind::kMoved:
+        E2LF_REQUIRE(false, "a network of moved pictures is trained with one of disparity");
     }
   }
   return torch::cat(channels, 1);

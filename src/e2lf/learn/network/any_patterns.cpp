@@ -254,35 +254,35 @@ void AnyPatternsModule::store(const NamedTensors& weights, model::Model& model) 
   }
 }
 
-Network picture_network(const std::vector<size_t>& widths) {
-  Network network{model::kCentralPlanes, {}};
-  LayerList layers{network};
-  layers.conv("stem", "input", widths[0], 2, 2);
-  network.layers.back().relu = true;
-  const std::string x = layers.levels(layers.conv("start", "stem", widths[0]), widths);
-  layers.add({.name = "sharp", .op = model::Op::kPixelShuffle, .inputs = {layers.conv("head", x, 4)}, .stride = 2});
-  return network;
-}
-
-CentralPictures move_to_centre(const DepthInputs& inputs, const torch::Tensor& disparity,
-                               const std::vector<model::CentralInput>& central) {
+torch::Tensor moved_planes(const DepthInputs& inputs, const torch::Tensor& disparity,
+                           const std::vector<model::MovedInput>& patterns) {
   const auto channels = all_channels(inputs);
-  std::vector<torch::Tensor> planes, bases;
+  std::vector<torch::Tensor> planes;
   for (int64_t i = 0; i < channels.size(0); ++i) {
-    const model::CentralInput& from = central[static_cast<size_t>(i)];
+    const model::MovedInput& from = patterns[static_cast<size_t>(i)];
     const std::vector<int64_t> numbers(from.moved.begin(), from.moved.end());
-    const auto own = channels[i], own_disparity = disparity[i];
-    const auto pictures =
-        own.index_select(0, torch::tensor(at::ArrayRef<int64_t>(numbers), torch::kLong).to(own.device()));
-    const model::Layer warp = model::warp_to_centre(from.offsets);
-    const auto moved = apply_warp({warp, {pictures.unsqueeze(0), own_disparity.unsqueeze(0)}, nullptr})[0];
-    const auto all = torch::cat({own, moved, own_disparity}).flatten(1);
-    const auto bias = matrix(from.bias, model::kCentralPlanes, all);
-    planes.push_back(torch::addmm(bias, matrix(from.weight, model::kCentralPlanes, all), all)
-                         .unflatten(1, {own.size(1), own.size(2)}));
-    bases.push_back(torch::matmul(matrix(from.base, 1, all), moved.flatten(1)).reshape({own.size(1), own.size(2)}));
+    const auto own = channels.narrow(0, i, 1);
+    NamedTensors values = {
+        {"pictures", own.index_select(1, torch::tensor(at::ArrayRef<int64_t>(numbers), torch::kLong).to(own.device()))},
+        {"disparity", disparity.narrow(0, i, 1)}};
+    std::vector<torch::Tensor> known = {own};
+    for (size_t place = 0; place < from.num_places(); ++place) {
+      const std::vector<model::Layer> layers = model::moves_to_place(from, place, "pictures", "disparity");
+      for (const model::Layer& layer : layers) {
+        values[layer.name] = apply_warp({layer, {values.at(layer.inputs[0]), values.at(layer.inputs[1])}, nullptr});
+      }
+      known.push_back(values.at(layers.back().name));
+    }
+    known.push_back(values.at("disparity"));
+    auto all = torch::cat(known, 1)[0].flatten(1);
+    const auto apply = [&](const model::LinearStep& step) {
+      const auto rows = static_cast<int64_t>(step.bias.size());
+      return torch::addmm(matrix(step.bias, rows, all), matrix(step.weight, rows, all), all);
+    };
+    for (const model::LinearStep& step : from.rectified) all = torch::cat({all, torch::relu(apply(step))});
+    planes.push_back(apply(from.planes).unflatten(1, {own.size(2), own.size(3)}));
   }
-  return {torch::stack(planes), torch::stack(bases)};
+  return torch::stack(planes);
 }
 
 }  // namespace e2lf::learn

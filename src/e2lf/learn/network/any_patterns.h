@@ -9,7 +9,7 @@
 #include "e2lf/learn/network/network_module.h"
 #include "e2lf/model/composition.h"
 
-/// The training of networks of disparity, and of the central picture, for any patterns, whose weights
+/// The training of networks of disparity, and of views on moved pictures, for any patterns, whose weights
 /// geometry::for_patterns() makes for those of the events. In training, each sample has its own, so that the maps of
 /// the patterns are applied to its inputs instead.
 namespace e2lf::learn {
@@ -76,19 +76,10 @@ class AnyPatternsModule {
 /// Returns whether a tensor of weights depends on the patterns.
 [[nodiscard]] bool depends_on_patterns(const std::string& name);
 
-/// The layers of e2lf-any for the central picture, with widths of the levels from half of the resolution on. The input
-/// is model::InputKind::kCentral.
-[[nodiscard]] model::Network picture_network(const std::vector<size_t>& widths);
-
-/// What such a network reads, and the picture to which its output is added.
-struct CentralPictures {
-  torch::Tensor planes;  ///< [batch, model::kCentralPlanes, y, x]
-  torch::Tensor base;    ///< [batch, y, x]
-};
-
-/// Moves the pictures behind the patterns of each sample to the central view. `disparity` [batch, 2, y, x] is the
-/// output of a network of disparity for `inputs`, and `central` states how the planes are made of both.
-[[nodiscard]] CentralPictures move_to_centre(const DepthInputs& inputs, const torch::Tensor& disparity,
-                                             const std::vector<model::CentralInput>& central);
+/// Returns InputKind::kMoved, [batch, model::kMovedPlanes, y, x], of the pictures behind the patterns of each sample.
+/// `disparity` [batch, 2, y, x] is the output of a network of disparity for `inputs`, and `patterns` state how the
+/// planes are made of both.
+[[nodiscard]] torch::Tensor moved_planes(const DepthInputs& inputs, const torch::Tensor& disparity,
+                                         const std::vector<model::MovedInput>& patterns);
 
 }  // namespace e2lf::learn

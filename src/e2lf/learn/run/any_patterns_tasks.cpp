@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The tasks of networks of disparity and of the central picture for any patterns.
+// The tasks of networks for any patterns: of disparity, and of views on moved pictures.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -221,34 +221,33 @@ struct FixedDisparity {
   int64_t multiple = 1;  ///< of the height and width
 };
 
-/// Scores are the PSNR of the central view without a border of 15 px.
-class PictureTask : public AnyPatternsTask {
+/// Scores are the PSNR of all views without a border of 15 px.
+class MovedViewsTask : public AnyPatternsTask {
  public:
-  PictureTask(const Config& config, DepthBatches batches, std::vector<JudgedSet> judged, FixedDisparity disparity,
-              torch::Device device)
+  MovedViewsTask(const Config& config, DepthBatches batches, std::vector<JudgedSet> judged, FixedDisparity disparity,
+                 torch::Device device)
       : AnyPatternsTask(config, std::move(batches), std::move(judged), device),
         disparity_(std::move(disparity)),
-        network_(picture_network(config.network.widths), device) {
-    // Training starts at the mean of the moved pictures.
-    constexpr double kInitialDetail = 0.02;
-    torch::NoGradGuard no_grad;
-    auto head = network_.parameters().at("head.weight");
-    head.mul_(kInitialDetail);
-  }
+        network_(make_network(config), device) {}
 
   [[nodiscard]] const NetworkModule& network() const override { return network_; }
   [[nodiscard]] LogFigures figures() const override { return LogFigures::of_views(); }
+  [[nodiscard]] NamedTensors weights_of_muon() const override { return muon_weights(network_); }
 
-  [[nodiscard]] NamedTensors weights_of_muon() const override {
-    NamedTensors weights = muon_weights(network_);
-    weights.erase("head.weight");
-    return weights;
-  }
-
+  /// The first planes are the inputs of a network for the patterns of e2lf-n4 that is conditioned on the sensor, so
+  /// that it can be the start, too.
   [[nodiscard]] Result<model::Weights> starting_weights(const model::Model& model) const override {
-    if (model::is_picture_network(model)) return model.weights;
+    if (model::reads_moved_pictures(model)) return model.weights;
+    constexpr model::InputKind kOnEvents[] = {model::InputKind::kCounts, model::InputKind::kCumulative,
+                                              model::InputKind::kIntensity, model::InputKind::kCamera};
+    const size_t known = model.network.input_channels;
+    if (std::ranges::equal(model.input, kOnEvents, {}, &model::InputGroup::kind) && known <= model::kMovedPlanes) {
+      auto with_more = with_unused_inputs(model.network, model.weights, known, model::kMovedPlanes - known);
+      if (with_more) return std::move(with_more->weights);
+    }
     return fail(ErrorCode::kInvalidValue, "",
-                "this is no network of the central picture; start from one, such as e2lf-any");
+                "this network reads neither moved pictures nor the events and the sensor of four patterns; start from "
+                "e2lf-any or e2lf-n4-camera");
   }
 
   /// The loss is the mean logarithm of the squared errors of the samples, so that each counts by its decibels.
@@ -257,14 +256,15 @@ class PictureTask : public AnyPatternsTask {
     constexpr double kFloor = 1e-5;  // 50 dB
     constexpr int64_t kBorder = 8;   // px
     const DepthBatch batch = batches_.at(step, share);
-    E2LF_ASSIGN_OR_RETURN(const CentralPictures moved,
-                          centred(batch.events, batch.constants, batch.cycles, batch.codes, compute_));
-    const auto picture = moved.base + network_.forward(moved.planes, compute_, nullptr, input_means).squeeze(1);
-    const auto inside = torch::indexing::Slice(kBorder, -kBorder);
-    const auto errors = (picture / batch.gain.reshape({-1, 1, 1}) - batch.central)
-                            .index({torch::indexing::Slice(), inside, inside})
+    E2LF_ASSIGN_OR_RETURN(const auto planes,
+                          planes_of(batch.events, batch.constants, batch.cycles, batch.codes, compute_));
+    const auto [patches, truth] = random_patches(planes, batch.views, step, share);
+    const auto views = network_.forward(patches, compute_, nullptr, input_means);
+    const auto inside = torch::indexing::Slice(kBorder, -kBorder), all = torch::indexing::Slice();
+    const auto errors = ((views - truth) / batch.gain.reshape({-1, 1, 1, 1}))
+                            .index({all, all, inside, inside})
                             .square()
-                            .mean({1, 2});
+                            .mean({1, 2, 3});
     return StepLoss{torch::log(errors + kFloor).mean(), errors.detach().mean()};
   }
 
@@ -284,26 +284,46 @@ class PictureTask : public AnyPatternsTask {
 
   [[nodiscard]] Result<double> judge(const NamedTensors& weights, const capture::Codes& codes, const Scene& scene,
                                      const JudgedEvents& judged) const override {
-    E2LF_ASSIGN_OR_RETURN(const CentralPictures moved,
-                          centred(judged.events, judged.constants, judged.cycles, {codes}, torch::kFloat));
-    const auto picture = (moved.base + network_.forward(moved.planes, torch::kFloat, &weights).squeeze(1))[0];
-    const auto view = scene.views[kCentre].to(torch::kFloat) / 255.0;
-    const auto error = judged_part(picture.clamp(0.0, 1.0), scene) - judged_part(view, scene);
-    return -10 * std::log10(error.square().mean().item<double>() + 1e-12);
+    E2LF_ASSIGN_OR_RETURN(const auto planes,
+                          planes_of(judged.events, judged.constants, judged.cycles, {codes}, torch::kFloat));
+    const auto views = network_.forward(planes, torch::kFloat, &weights)[0].clamp(0.0, 1.0);
+    double squares = 0;
+    for (int64_t view = 0; view < views.size(0); ++view) {
+      const auto truth = scene.views[view].to(torch::kFloat) / 255.0;
+      squares += (judged_part(views[view], scene) - judged_part(truth, scene)).square().mean().item<double>();
+    }
+    return -10 * std::log10(squares / static_cast<double>(views.size(0)) + 1e-12);
   }
 
-  /// Moves the pictures of a batch to the central view by the fixed network.
-  [[nodiscard]] Result<CentralPictures> centred(const torch::Tensor& events, const SampleConstants& constants,
+  /// Cuts a patch out of each sample, of the planes and of the views.
+  [[nodiscard]] std::pair<torch::Tensor, torch::Tensor> random_patches(const torch::Tensor& planes,
+                                                                       const torch::Tensor& views, uint64_t step,
+                                                                       Share share) const {
+    constexpr uint64_t kPatchPlaces = 14;
+    Draws draws(mix_seed(config_.seed, kPatchPlaces, step), static_cast<uint64_t>(share.rank));
+    const auto size = static_cast<int64_t>(config_.train.patch);
+    const auto places = static_cast<uint64_t>(planes.size(2) - size + 1);
+    std::vector<torch::Tensor> patches, truths;
+    for (int64_t i = 0; i < planes.size(0); ++i) {
+      const auto y = static_cast<int64_t>(draws.below(places)), x = static_cast<int64_t>(draws.below(places));
+      patches.push_back(planes[i].narrow(1, y, size).narrow(2, x, size));
+      truths.push_back(views[i].narrow(1, y, size).narrow(2, x, size));
+    }
+    return {torch::stack(patches), torch::stack(truths)};
+  }
+
+  /// Moves the pictures of a batch by the fixed network.
+  [[nodiscard]] Result<torch::Tensor> planes_of(const torch::Tensor& events, const SampleConstants& constants,
                                                 const torch::Tensor& cycles, const std::vector<capture::Codes>& codes,
                                                 torch::ScalarType compute) const {
     torch::NoGradGuard no_grad;
-    std::vector<model::CentralInput> central;
+    std::vector<model::MovedInput> patterns;
     for (const capture::Codes& each : codes) {
-      E2LF_ASSIGN_OR_RETURN(central.emplace_back(), geometry::central_input(each, disparity_.input));
+      E2LF_ASSIGN_OR_RETURN(patterns.emplace_back(), geometry::moved_input(each, disparity_.input));
     }
     E2LF_ASSIGN_OR_RETURN(const Apertures apertures, describe_apertures(codes, device_));
     const DepthInputs inputs = form_depth_inputs(events, constants, cycles, disparity_.input);
-    return move_to_centre(inputs, disparity_.network.forward(inputs, apertures, compute), central);
+    return moved_planes(inputs, disparity_.network.forward(inputs, apertures, compute), patterns);
   }
 
   FixedDisparity disparity_;
@@ -340,9 +360,9 @@ Result<FixedDisparity> read_disparity(const Config& config, torch::Device device
   }
   FixedDisparity result{path.stem().string(), model.input, AnyPatternsModule(widths, device),
                         scale_of_last_level(widths)};
-  if (static_cast<int64_t>(config.train.patch) % result.multiple != 0) {
-    return fail(ErrorCode::kInvalidValue, "train.patch", name, " takes multiples of ", result.multiple,
-                " px; set train.patch and data.synthesiser.size to one");
+  if (config.data.synthesiser.size % result.multiple != 0) {
+    return fail(ErrorCode::kInvalidValue, "data.synthesiser.size", name, " takes multiples of ", result.multiple,
+                " px; set it to one");
   }
   E2LF_RETURN_IF_ERROR(load_weights(result.network.module().parameters(), weights_for_any_patterns(model), name));
   return result;
@@ -364,19 +384,20 @@ StepLoss depth_loss(const torch::Tensor& output, const torch::Tensor& disparity)
 Result<std::unique_ptr<Task>> open_any_patterns_task(Config& config, Dataset dataset, torch::Device device) {
   PatternConfig& patterns = config.patterns;
   E2LF_ASSIGN_OR_RETURN(const capture::Codes codes, read_shown(patterns.codes, patterns));
-  const bool gives_picture = config.network.gives_picture();
-  if (gives_picture) E2LF_RETURN_IF_ERROR(geometry::central_input(codes, {}));
+  const bool reads_moved_pictures = config.reads_moved_pictures();
+  if (reads_moved_pictures) E2LF_RETURN_IF_ERROR(geometry::moved_input(codes, {}));
   patterns.num_patterns = codes.num_patterns;
   E2LF_ASSIGN_OR_RETURN(auto judged, read_judged(patterns, codes));
   std::optional<FixedDisparity> disparity;
-  if (gives_picture) {
+  if (reads_moved_pictures) {
     E2LF_ASSIGN_OR_RETURN(disparity, read_disparity(config, device));
   }
   E2LF_ASSIGN_OR_RETURN(auto batches, DepthBatches::create(config, codes, std::move(dataset), device));
   seed_initial_weights(config);
   std::unique_ptr<Task> task;
-  if (gives_picture) {
-    task = std::make_unique<PictureTask>(config, std::move(batches), std::move(judged), *std::move(disparity), device);
+  if (reads_moved_pictures) {
+    task =
+        std::make_unique<MovedViewsTask>(config, std::move(batches), std::move(judged), *std::move(disparity), device);
   } else {
     task = std::make_unique<DepthTask>(config, std::move(batches), codes, std::move(judged), device);
   }

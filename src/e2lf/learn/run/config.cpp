@@ -81,9 +81,8 @@ Result<void> check_patterns(const PatternConfig& patterns, capture::MeasurementK
 }
 
 Result<void> check_network(const NetworkConfig& network, const std::string& location) {
-  if (network.type != "unet" && network.type != "recnet" && !network.gives_disparity() && !network.gives_picture()) {
-    return invalid(cat("unknown network type \"", network.type, "\"; use unet, recnet, plane-sweep or picture"),
-                   location);
+  if (network.type != "unet" && network.type != "recnet" && !network.gives_disparity()) {
+    return invalid(cat("unknown network type \"", network.type, "\"; use unet, recnet or plane-sweep"), location);
   }
   if (network.widths.empty() || network.widths.size() != network.blocks.size()) {
     return invalid("widths and blocks need one entry per level; make the lists equally long", location);
@@ -94,33 +93,33 @@ Result<void> check_network(const NetworkConfig& network, const std::string& loca
 /// Checks a network for any patterns, whose inputs and samples are not those of a network of views.
 Result<void> check_any_patterns(const Config& config, const std::string& location) {
   using model::InputKind;
-  const std::string& type = config.network.type;
+  const bool reads_moved = config.reads_moved_pictures();
+  const std::string type = reads_moved ? "a network of moved pictures" : config.network.type;
 #if !E2LF_LEARN_KERNELS
   return fail(ErrorCode::kMissingDependency, location + ".network.type",
               "this program was built without the operations of geometry; train with e2lf");
 #endif
-  const bool is_picture = config.network.gives_picture();
-  const std::vector<InputKind> kinds =
-      is_picture ? std::vector{InputKind::kCentral}
-                 : std::vector{InputKind::kCumulative, InputKind::kLevel, InputKind::kIntensity, InputKind::kCamera};
-  if (!std::ranges::equal(config.input, kinds, {}, &model::InputGroup::kind)) {
-    return invalid(is_picture ? "the input of picture is central; list it alone"
-                              : "the inputs of plane-sweep are cumulative, level, intensity and camera; list these",
+  constexpr InputKind kKinds[] = {InputKind::kCumulative, InputKind::kLevel, InputKind::kIntensity, InputKind::kCamera};
+  if (!reads_moved && !std::ranges::equal(config.input, kKinds, {}, &model::InputGroup::kind)) {
+    return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera; list these",
                    location + ".input");
   }
   if (config.patterns.codes.empty() || !config.patterns.black_first) {
     return invalid(cat(type, " needs the patterns of patterns.codes; name a set whose first pattern is black"),
                    location + ".patterns.codes");
   }
-  if (is_picture && config.patterns.whole_cycle) {
-    return invalid("picture is trained for the transitions of the lit patterns; set whole_cycle to false",
+  if (reads_moved && config.patterns.whole_cycle) {
+    return invalid("moved pictures are those of the transitions of the lit patterns; set whole_cycle to false",
                    location + ".patterns.whole_cycle");
   }
   const size_t multiple = size_t{2} << (config.network.widths.size() - 1);
-  if (config.network.widths.size() < 2 || config.train.patch % multiple != 0 ||
-      config.data.synthesiser.size != static_cast<int64_t>(config.train.patch)) {
-    return invalid(cat(type, " needs two levels or more, whole scenes, and a size that is a multiple of ", multiple,
-                       " for these levels; set train.patch and data.synthesiser.size to one"),
+  if (config.network.widths.size() < 2 || config.train.patch % multiple != 0) {
+    return invalid(cat(type, " needs two levels or more, and patches of a multiple of ", multiple,
+                       " px for these levels; set train.patch to one"),
+                   location + ".train.patch");
+  }
+  if (!reads_moved && config.data.synthesiser.size != static_cast<int64_t>(config.train.patch)) {
+    return invalid("plane-sweep is trained with whole scenes; set train.patch and data.synthesiser.size to one value",
                    location + ".train.patch");
   }
   return {};
@@ -166,7 +165,7 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   }
   E2LF_RETURN_IF_ERROR(check_network(config.network, location + ".network"));
   E2LF_RETURN_IF_ERROR(check_train(config.train, location + ".train"));
-  if (config.network.gives_disparity() || config.network.gives_picture()) {
+  if (config.network.gives_disparity() || config.reads_moved_pictures()) {
     E2LF_RETURN_IF_ERROR(check_any_patterns(config, location));
   }
   if (config.precision != "float32" && config.precision != "bfloat16") {

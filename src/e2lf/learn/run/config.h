@@ -69,13 +69,12 @@ struct SensorConfig {
 
 /// The numbers of channels at both ends follow from the inputs and the views.
 struct NetworkConfig : model::UnetOptions {
-  /// "unet", "recnet", and for any patterns "plane-sweep" (disparity instead of views) and "picture" (the central one).
-  std::string type = "unet";
-  double share_of_full_scale = 0.65;     ///< of "plane-sweep" in its model file; see model::at_two_scales()
-  std::string disparity = "e2lf-depth";  ///< of "picture": the model that moves the pictures, which is not trained
+  std::string type = "unet";  ///< "unet", "recnet", or for any patterns "plane-sweep" (disparity instead of views)
+  double share_of_full_scale = 0.65;  ///< of "plane-sweep" in its model file; see model::at_two_scales()
+  std::string disparity =
+      "e2lf-depth";  ///< the model that moves the pictures of the input "moved", which is not trained
 
   [[nodiscard]] bool gives_disparity() const { return type == "plane-sweep"; }
-  [[nodiscard]] bool gives_picture() const { return type == "picture"; }
 };
 
 struct TrainConfig {
@@ -108,6 +107,11 @@ struct Config {
                                           {model::InputKind::kIntensity, 4.0F}};
   NetworkConfig network;
   TrainConfig train;
+
+  /// Whether the views are those of any patterns.
+  [[nodiscard]] bool reads_moved_pictures() const {
+    return input.size() == 1 && input[0].kind == model::InputKind::kMoved;
+  }
 };
 
 /// Reads a configuration. Absent keys keep their defaults. Fails with kInvalidValue (an unknown key, for which the

@@ -64,7 +64,8 @@ class Task {
 /// follows from patterns.codes. Fails as read_dataset(), Batches::create() and, for patterns, read_pattern_set() do.
 [[nodiscard]] Result<std::unique_ptr<Task>> open_task(Config& config, torch::Device device);
 
-/// Opens the task of networks of views, and those of networks of disparity and of the central picture for any patterns.
+/// Opens the task of networks of views, and those of networks of disparity and of views on moved pictures for any
+/// patterns.
 [[nodiscard]] Result<std::unique_ptr<Task>> open_views_task(const Config& config, Dataset dataset,
                                                             torch::Device device);
 [[nodiscard]] Result<std::unique_ptr<Task>> open_any_patterns_task(Config& config, Dataset dataset,

@@ -116,7 +116,7 @@ Result<std::unique_ptr<Task>> open_views_task(const Config& config, Dataset data
 Result<std::unique_ptr<Task>> open_task(Config& config, torch::Device device) {
   E2LF_ASSIGN_OR_RETURN(auto dataset, read_dataset(config.data.file, device));
 #if E2LF_LEARN_KERNELS
-  if (config.network.gives_disparity() || config.network.gives_picture()) {
+  if (config.network.gives_disparity() || config.reads_moved_pictures()) {
     return open_any_patterns_task(config, std::move(dataset), device);
   }
 #endif

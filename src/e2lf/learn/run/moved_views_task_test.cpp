@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <torch/torch.h>
@@ -10,6 +11,7 @@
 #include "e2lf/files/options.h"
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/operations.h"
+#include "e2lf/learn/data/draws.h"
 #include "e2lf/learn/network/any_patterns.h"
 #include "e2lf/learn/run/trainer.h"
 
@@ -18,11 +20,11 @@ namespace {
 
 constexpr int64_t kSide = 64;
 
-Config picture_config() {
+Config small_config() {
   Config config;
-  config.name = "picture";
-  config.network = {{.widths = {8, 12}, .blocks = {1, 1}}, "picture"};
-  config.input = {{model::InputKind::kCentral, 1.0F}};
+  config.name = "views";
+  config.network = {{.widths = {8, 12}, .blocks = {1, 1}, .head_width = 4}};
+  config.input = {{model::InputKind::kMoved, 1.0F}};
   config.patterns.codes = "e2lf-n4";
   config.patterns.known = {"e2lf-n4", "e2lf-n8"};
   config.sensor.camera = "evk4-lcos";
@@ -51,48 +53,69 @@ torch::Tensor output_of(const model::Model& model, const torch::Tensor& input) {
   return module.forward(input, torch::kFloat);
 }
 
-TEST(CentralPictures, AreThoseOfTheComposedNetwork) {
+TEST(MovedPlanes, AreThoseOfTheComposedNetwork) {
   torch::NoGradGuard no_grad;
   torch::manual_seed(7);
-  constexpr int64_t kTwoScales = 128;  // px, of which half is what one scale needs
-  const model::Model e2lf_n4 = bundled("e2lf-n4");
-  const model::Model disparity = geometry::for_patterns(bundled("e2lf-depth"), *e2lf_n4.codes).value();
-  DepthInputs inputs{torch::randn({1, 3, 3, kTwoScales, kTwoScales}),
-                     torch::rand({1, static_cast<int64_t>(capture::conditioning_size(4))}) - 0.5,
+  constexpr int64_t kTwoScales = 128;                                   // px, of which half is what one scale needs
+  const capture::Codes patterns = read_pattern_set("e2lf-n8").value();  // whose pictures share the places
+  const model::Model disparity = geometry::for_patterns(bundled("e2lf-depth"), patterns).value();
+  const int64_t transitions = 7;
+  DepthInputs inputs{torch::randn({1, 3, transitions, kTwoScales, kTwoScales}),
+                     torch::rand({1, static_cast<int64_t>(capture::conditioning_size(8))}) - 0.5,
                      torch::full({1, kTwoScales, kTwoScales}, 0.4)};
   inputs.conditioning.select(1, capture::kCyclesCondition).fill_(0.4);
   const auto camera = inputs.conditioning.unsqueeze(2).unsqueeze(3).expand({-1, -1, kTwoScales, kTwoScales});
   const auto channels = torch::cat({inputs.groups.flatten(1, 2), camera}, 1);
 
   const auto map = output_of(disparity, channels);
-  const auto central = geometry::central_input(*e2lf_n4.codes, disparity.input);
-  ASSERT_TRUE(central) << central.error().text();
-  const CentralPictures moved = move_to_centre(inputs, map, {*central});
-  const NetworkModule of_picture(picture_network({8, 12}), torch::kCPU);
-  const auto expected = moved.base + of_picture.forward(moved.planes, torch::kFloat).squeeze(1);
-  EXPECT_GT(moved.base.std().item<float>(), 0.01F);
+  const auto input = geometry::moved_input(patterns, disparity.input);
+  ASSERT_TRUE(input) << input.error().text();
+  const NetworkModule of_views(make_network(small_config()), torch::kCPU);
+  const auto expected = of_views.forward(moved_planes(inputs, map, {*input}), torch::kFloat);
 
-  model::Model picture;
-  picture.name = "picture";
-  picture.num_patterns = 4;
-  picture.input = {{model::InputKind::kCentral, 1.0F}};
-  picture.network = of_picture.network();
-  picture.weights = to_weights(of_picture.parameters());
-  const auto composed = geometry::rendered_for_patterns(picture, disparity, *e2lf_n4.codes);
+  model::Model views;
+  views.name = "views";
+  views.num_patterns = 4;
+  views.input = {{model::InputKind::kMoved, 1.0F}};
+  views.network = of_views.network();
+  views.weights = to_weights(of_views.parameters());
+  auto composed = geometry::views_for_patterns(views, disparity, patterns);
   ASSERT_TRUE(composed) << composed.error().text();
-  const auto view = output_of(*composed, channels).select(1, 36);
-  EXPECT_LT((view - expected).abs().max().item<float>(), 1e-4F * expected.abs().max().item<float>());
+  auto& layers = composed->network.layers;  // without those that follow the disparity
+  layers.erase(std::ranges::find(layers, "views_output", &model::Layer::name) + 1, layers.end());
+  EXPECT_LT((output_of(*composed, channels) - expected).abs().max().item<float>(),
+            1e-4F * expected.abs().max().item<float>());
 }
 
-class PictureRun : public testing::Test {
+/// With the patterns of e2lf-n4, the first planes are what the network for these patterns reads, so that it is a start.
+TEST(MovedPlanes, LetANetworkForE2lfN4StartAsItIs) {
+  Config config = small_config();
+  config.network = {};
+  config.network.head_blocks = 4;
+  config.network.widths = {80, 96, 128};
+  config.network.blocks = {2, 2, 2};
+  config.sensor.camera = "";
+  config.sensor.cycles_share = 0;
+  config.start = "e2lf-n4-camera";
+  const auto trainer = Trainer::create(config);
+  ASSERT_TRUE(trainer) << trainer.error().text();
+  const auto scores = trainer->evaluate({"synthesised 1"}, trainer->cameras().front());
+  ASSERT_TRUE(scores) << scores.error().text();
+  Config untrained = config;
+  untrained.start = "";
+  const auto other = Trainer::create(untrained)->evaluate({"synthesised 1"}, trainer->cameras().front());
+  EXPECT_GT(scores->front().score, other->front().score + 8);
+}
+
+class MovedViewsRun : public testing::Test {
  protected:
-  PictureRun() { std::filesystem::create_directories(folder_); }
-  ~PictureRun() override { std::filesystem::remove_all(folder_); }
-  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / cat("e2lf_picture_run_", ::getpid());
+  MovedViewsRun() { std::filesystem::create_directories(folder_); }
+  ~MovedViewsRun() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / cat("e2lf_moved_views_run_", ::getpid());
 };
 
-TEST_F(PictureRun, ResumesBitExactlyAndStoresAModelThatNamesItsDisparity) {
-  const Config config = picture_config();
+TEST_F(MovedViewsRun, ResumesBitExactlyAndStoresAModelThatNamesItsDisparity) {
+  const Config config = small_config();
   auto whole = Trainer::create(config);
   ASSERT_TRUE(whole) << whole.error().text();
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(whole->train_step());
@@ -106,17 +129,17 @@ TEST_F(PictureRun, ResumesBitExactlyAndStoresAModelThatNamesItsDisparity) {
   }
   const auto model = whole->to_model();
   ASSERT_TRUE(model) << model.error().text();
-  ASSERT_TRUE(model::write_model(folder_ / "picture.safetensors", *model));
-  const auto read = model::read_model(folder_ / "picture.safetensors");
+  ASSERT_TRUE(model::write_model(folder_ / "views.safetensors", *model));
+  const auto read = model::read_model(folder_ / "views.safetensors");
   ASSERT_TRUE(read) << read.error().text();
-  EXPECT_TRUE(model::is_picture_network(*read));
+  EXPECT_TRUE(model::reads_moved_pictures(*read));
   EXPECT_EQ(read->weights, model->weights);
   EXPECT_EQ(read->parts, std::vector{*bundled_file_named(kBundledModels, "e2lf-depth")});
   EXPECT_TRUE(geometry::for_patterns(*read, *bundled("e2lf-n4").codes));
 }
 
-TEST_F(PictureRun, JudgesTheCentralViewOfSeveralSetsWithBothSensors) {
-  Config config = picture_config();
+TEST_F(MovedViewsRun, JudgesTheViewsOfSeveralSetsWithBothSensors) {
+  Config config = small_config();
   config.patterns.evaluated = {"e2lf-n4", "e2lf-n8"};
   config.train.steps = config.train.evaluate_steps = 1;
   auto trainer = Trainer::create(config);
@@ -129,24 +152,24 @@ TEST_F(PictureRun, JudgesTheCentralViewOfSeveralSetsWithBothSensors) {
   }
 }
 
-TEST(PictureTraining, RefusesWhatItCannotTrain) {
-  Config config = picture_config();
+TEST(MovedViewsTraining, RefusesWhatItCannotTrain) {
+  Config config = small_config();
   config.start = "e2lf-depth";
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
-  config = picture_config();
+  config = small_config();
   config.network.disparity = "e2lf-n4";
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
-  config = picture_config();
+  config = small_config();
   config.train.patch = config.data.synthesiser.size = 32;
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << "e2lf-depth takes multiples of 64";
 }
 
 /// The stored model states the name alone, which must not lead to another network.
-TEST_F(PictureRun, RefusesADisparityThatABundledModelWouldReplace) {
+TEST_F(MovedViewsRun, RefusesADisparityThatABundledModelWouldReplace) {
   const auto own = folder_ / "e2lf-depth.safetensors", renamed = folder_ / "own-depth.safetensors";
   for (const auto& path : {own, renamed}) {
     std::filesystem::copy_file(*bundled_file_named(kBundledModels, "e2lf-depth"), path);
-    Config config = picture_config();
+    Config config = small_config();
     config.network.disparity = path.string();
     EXPECT_EQ(Trainer::create(config).ok(), path == renamed) << path;
   }
@@ -159,17 +182,16 @@ Config bundled_config() {
   return *config;
 }
 
-TEST(PictureTraining, ItsConfigurationGivesTheLayersOfTheBundledNetwork) {
+TEST(MovedViewsTraining, ItsConfigurationGivesTheLayersOfTheBundledNetwork) {
   const Config config = bundled_config();
   const model::Model model = bundled("e2lf-any");
   EXPECT_EQ(config.input, model.input);
-  EXPECT_EQ(picture_network(config.network.widths), model.network);
+  EXPECT_EQ(make_network(config), model.network);
 }
 
-TEST(PictureTraining, TheBundledNetworkIsSharperThanAnUntrainedOne) {
-  Config config = picture_config();
-  config.network.widths = bundled_config().network.widths;
-  config.network.blocks.assign(config.network.widths.size(), 1);
+TEST(MovedViewsTraining, TheBundledNetworkIsBetterThanAnUntrainedOne) {
+  Config config = small_config();
+  config.network = bundled_config().network;
   double score[2] = {};
   for (const bool is_trained : {false, true}) {
     config.start = is_trained ? "e2lf-any" : "";
