@@ -241,7 +241,7 @@ class MovedViewsTask : public AnyPatternsTask {
     constexpr model::InputKind kOnEvents[] = {model::InputKind::kCounts, model::InputKind::kCumulative,
                                               model::InputKind::kIntensity, model::InputKind::kCamera};
     const size_t known = model.network.input_channels;
-    if (std::ranges::equal(model.input, kOnEvents, {}, &model::InputGroup::kind) && known <= model::kMovedPlanes) {
+    if (std::ranges::equal(model.input, kOnEvents, {}, &model::InputGroup::kind) && model.num_patterns == 4) {
       auto with_more = with_unused_inputs(model.network, model.weights, known, model::kMovedPlanes - known);
       if (with_more) return std::move(with_more->weights);
     }
@@ -295,17 +295,20 @@ class MovedViewsTask : public AnyPatternsTask {
     return -10 * std::log10(squares / static_cast<double>(views.size(0)) + 1e-12);
   }
 
-  /// Cuts a patch out of each sample, of the planes and of the views.
+  /// Cuts a patch out of each sample, of the planes and of the views. Those of a sample do not depend on the number of
+  /// shares.
   [[nodiscard]] std::pair<torch::Tensor, torch::Tensor> random_patches(const torch::Tensor& planes,
                                                                        const torch::Tensor& views, uint64_t step,
                                                                        Share share) const {
     constexpr uint64_t kPatchPlaces = 14;
-    Draws draws(mix_seed(config_.seed, kPatchPlaces, step), static_cast<uint64_t>(share.rank));
+    Draws draws(mix_seed(config_.seed, kPatchPlaces, step), 0);
     const auto size = static_cast<int64_t>(config_.train.patch);
     const auto places = static_cast<uint64_t>(planes.size(2) - size + 1);
     std::vector<torch::Tensor> patches, truths;
-    for (int64_t i = 0; i < planes.size(0); ++i) {
+    const int64_t first = share.rank * planes.size(0);
+    for (int64_t i = -first; i < planes.size(0); ++i) {
       const auto y = static_cast<int64_t>(draws.below(places)), x = static_cast<int64_t>(draws.below(places));
+      if (i < 0) continue;  // of another share
       patches.push_back(planes[i].narrow(1, y, size).narrow(2, x, size));
       truths.push_back(views[i].narrow(1, y, size).narrow(2, x, size));
     }

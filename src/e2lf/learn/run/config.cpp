@@ -100,7 +100,7 @@ Result<void> check_any_patterns(const Config& config, const std::string& locatio
               "this program was built without the operations of geometry; train with e2lf");
 #endif
   constexpr InputKind kKinds[] = {InputKind::kCumulative, InputKind::kLevel, InputKind::kIntensity, InputKind::kCamera};
-  if (!reads_moved && !std::ranges::equal(config.input, kKinds, {}, &model::InputGroup::kind)) {
+  if (config.network.gives_disparity() && !std::ranges::equal(config.input, kKinds, {}, &model::InputGroup::kind)) {
     return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera; list these",
                    location + ".input");
   }
@@ -151,6 +151,10 @@ Result<Config> config_from_json(const Json& json, const std::string& location) {
   if (!is_black_first && std::any_of(config.input.begin(), config.input.end(), is_intensity)) {
     return invalid("intensity inputs need a black first pattern; leave them out or set patterns.black_first",
                    location + ".input");
+  }
+  const auto is_moved = [](const model::InputGroup& group) { return group.kind == model::InputKind::kMoved; };
+  if (config.input.size() > 1 && std::any_of(config.input.begin(), config.input.end(), is_moved)) {
+    return invalid("the input moved contains all others; list it alone", location + ".input");
   }
   const auto measurement = model::measurement_of(config.input);
   if (!measurement) return invalid(measurement.error().message, location + ".input");

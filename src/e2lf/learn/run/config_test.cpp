@@ -60,6 +60,7 @@ TEST(Config, RefusesValuesThatCannotWork) {
                          "train": {"patch": 60}})")
                 .location,
             "test.train.patch");
+  EXPECT_EQ(error_of(R"({"input": [{"kind": "moved"}, {"kind": "counts"}]})").location, "test.input");
   EXPECT_EQ(error_of(R"({"network": {"type": "transformer"}})").location, "test.network");
   EXPECT_EQ(error_of(R"({"network": {"widths": [8]}})").location, "test.network");
   EXPECT_EQ(error_of(R"({"train": {"batch": 0}})").location, "test.train");

@@ -154,8 +154,10 @@ TEST_F(MovedViewsRun, JudgesTheViewsOfSeveralSetsWithBothSensors) {
 
 TEST(MovedViewsTraining, RefusesWhatItCannotTrain) {
   Config config = small_config();
-  config.start = "e2lf-depth";
-  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
+  for (const char* start : {"e2lf-depth", "e2lf-n8-camera"}) {
+    config.start = start;
+    EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << start;
+  }
   config = small_config();
   config.network.disparity = "e2lf-n4";
   EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
