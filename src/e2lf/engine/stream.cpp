@@ -15,9 +15,9 @@ namespace {
 // The number of output rows per round. More rows load the weights less often; fewer rows stay in the cache.
 constexpr size_t kRowsPerRound = 4;
 
-// The number of rows (of the input) that a stage may advance in a round if another stage waits for whole images.
-// Without this limit, all rows of all preceding stages would be computed at once.
-constexpr size_t kMostRowsPerRound = 64;
+// The number of rows (of the input) that a stage may advance in a round. Without this limit, all rows that became
+// possible at once, as after a stage of low resolution, would pass through all later stages together.
+constexpr size_t kMostRowsPerRound = 8;
 
 // Threads take at most the remaining work divided by this and by the number of threads at a time.
 constexpr size_t kRunsPerThread = 4;
@@ -144,22 +144,18 @@ void Stream::make_tables() {
 void Stream::find_readers() {
   for (size_t i = plan_.stages.size(); i-- > 0;) {
     const Stage& stage = plan_.stages[i];
-    for (size_t input = 0; input < stage.inputs.size(); ++input) waits_ |= stage.kernel->needs_all(input);
     for (const size_t read : stage.reads()) {
       Tensor& tensor = tensors_[read];
       if (tensor.readers.empty() || tensor.readers.back() != i) tensor.readers.push_back(i);
       tensor.distance = std::max(tensor.distance, tensors_[i + 1].distance + 1);
     }
   }
-  rounds_ahead_ = tensors_.front().distance;
 }
 
 size_t Stream::rows_wanted(size_t index) {
   // A tensor is one round ahead of those that are computed from it.
-  const size_t rounds = round_ + 1 + tensors_[index].distance;
-  if (rounds <= rounds_ahead_) return 0;
-  const size_t output_rows = std::min((rounds - rounds_ahead_) * kRowsPerRound, round_up(image_.height, kRowsPerRound));
-  return rows_for(output_rows)[index];
+  const size_t output_rows = tensors_.back().done + (1 + tensors_[index].distance) * kRowsPerRound;
+  return rows_for(std::min(output_rows, round_up(image_.height, kRowsPerRound)))[index];
 }
 
 /// Returns the number of rows of each tensor that the first rows of the output depend on.
@@ -246,7 +242,6 @@ size_t Stream::rows_possible(size_t index) const {
 
 /// Returns how far a tensor that could be computed up to row `end` advances in this round.
 size_t Stream::next_end(const Tensor& tensor, size_t end) const {
-  if (!waits_) return end;
   return std::min(end, tensor.done + round_up(std::max<size_t>(kMostRowsPerRound / tensor.scale, 1), kTileSize));
 }
 
@@ -313,7 +308,6 @@ bool Stream::advance() {
   run_jobs(jobs);
   for (const Job& job : jobs) *job.progress = job.end;
   for (size_t tensor = 0; tensor < tensors_.size(); ++tensor) release_rows(tensor);
-  ++round_;
   return written_ < image_.height;
 }
 

@@ -21,10 +21,9 @@ struct Image {
   std::span<const size_t> planes = {};  ///< the plane of `output` of each channel; empty = in order
 };
 
-/// Streams columns [begin, end) of an image through a plan, from top to bottom. Each round produces a few more rows of
-/// the output: each stage computes the rows needed for them, one round ahead of the stages that read them, as far as
-/// its inputs allow. Rows that are no longer needed are reused. If a stage needs all of an input first, the stages
-/// before and after it also process the image a few rows at a time, one after another. Columns beside the range are
+/// Streams columns [begin, end) of an image through a plan, from top to bottom. In each round, each stage computes a
+/// few more rows, one round ahead of the stages that read them, as far as its inputs allow. It waits where the output
+/// falls behind, so that few rows are kept. Rows that are no longer needed are reused. Columns beside the range are
 /// read up to the halo of the plan, so that cuts leave no trace.
 class Stream {
  public:
@@ -90,9 +89,7 @@ class Stream {
   size_t begin_, end_;            ///< columns to compute
   size_t wide_begin_, wide_end_;  ///< including the halo
   std::vector<Tensor> tensors_;
-  size_t round_ = 0, rounds_ahead_ = 0;  ///< the input is this many rounds ahead of the output
   size_t written_ = 0;
-  bool waits_ = false;                              ///< true if a stage needs all of an input
   std::map<size_t, std::vector<size_t>> rows_for_;  ///< rows of each tensor, by the number of output rows
   FrameState& memory_;
   AlignedBuffer zero_row_;
