@@ -15,9 +15,10 @@ namespace {
 // The number of output rows per round. More rows load the weights less often; fewer rows stay in the cache.
 constexpr size_t kRowsPerRound = 4;
 
-// The number of rows (of the input) that a stage may advance in a round. Without this limit, all rows that became
-// possible at once, as after a stage of low resolution, would pass through all later stages together.
-constexpr size_t kMostRowsPerRound = 8;
+// The number of rows that a stage may advance in a round, a multiple of kTileSize. Without this limit, all rows that
+// became possible at once, as after a stage of low resolution, would pass through all later stages together. Fewer rows
+// load the weights of stages of low resolution more often.
+constexpr size_t kMostRowsPerRound = 16;
 
 // Threads take at most the remaining work divided by this and by the number of threads at a time.
 constexpr size_t kRunsPerThread = 4;
@@ -242,7 +243,7 @@ size_t Stream::rows_possible(size_t index) const {
 
 /// Returns how far a tensor that could be computed up to row `end` advances in this round.
 size_t Stream::next_end(const Tensor& tensor, size_t end) const {
-  return std::min(end, tensor.done + round_up(std::max<size_t>(kMostRowsPerRound / tensor.scale, 1), kTileSize));
+  return std::min(end, tensor.done + kMostRowsPerRound);
 }
 
 void Stream::plan_input(std::vector<Job>& jobs) {
