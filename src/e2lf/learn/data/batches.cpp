@@ -189,6 +189,13 @@ Result<std::vector<size_t>> SampleSource::prepare() {
   return numbers;
 }
 
+std::vector<std::string> SampleSource::trained_scenes() const {
+  std::vector<std::string> names;
+  if (config_.data.synthetic_share >= 1.0) return names;
+  for (const size_t i : scenes_) names.push_back(dataset_.scenes[i].name);
+  return names;
+}
+
 void SampleSource::add_validation(const std::function<Scene(uint64_t)>& synthesise) {
   if (!config_.data.validation.empty()) return;
   for (const uint64_t i : {uint64_t{1}, uint64_t{2}}) {

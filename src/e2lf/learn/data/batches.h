@@ -61,6 +61,9 @@ class SampleSource {
   /// are none.
   [[nodiscard]] const std::vector<std::string>& validation() const { return config_.data.validation; }
 
+  /// Returns the names of the scenes of the data whose parts are samples.
+  [[nodiscard]] std::vector<std::string> trained_scenes() const;
+
   /// Returns the camera of sensor.camera, or nothing if none is set.
   [[nodiscard]] const std::optional<capture::SensorProfile>& camera() const { return camera_; }
 
@@ -93,6 +96,7 @@ class SampleSource {
   Config config_;
   std::optional<capture::SensorProfile> camera_;
   Dataset dataset_;
+  std::vector<size_t> scenes_;  ///< numbers of those whose parts are samples
   torch::Device device_;
 
  private:
@@ -125,7 +129,6 @@ class Batches : public SampleSource {
   [[nodiscard]] MovingScene random_crop(const MovingScene& scene, int64_t stride, Draws& draws) const;
   [[nodiscard]] MovingScene random_patch(Draws& draws) const;
 
-  std::vector<size_t> scenes_;             // indices of the scenes for training
   std::vector<double> cumulative_places_;  // patch positions up to each scene; all are equally likely
   std::deque<MovingScene> pool_;
 };

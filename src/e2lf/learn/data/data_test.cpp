@@ -189,6 +189,7 @@ TEST(Batches, DependOnTheStepAloneAndNeverShowValidationScenes) {
   };
   auto batches = create(), again = create();
   ASSERT_TRUE(batches) << batches.error().text();
+  EXPECT_EQ(batches->trained_scenes(), std::vector<std::string>{"second"});
   (void)batches->at(0);
   const auto batch = batches->at(3);
   EXPECT_TRUE(torch::equal(batch.light_field, again->at(3).light_field));

@@ -142,8 +142,8 @@ KnownScene scaled_part(const Scene& scene, int64_t size, Draws& draws) {
 DepthBatches::DepthBatches(const Config& config, capture::Codes codes, Dataset dataset, torch::Device device)
     : SampleSource(config, std::move(dataset), device),
       codes_(std::move(codes)),
-      scenes_(std::make_unique<KnownScenes>(dataset_.textures, config.data.synthesiser,
-                                            mix_seed(config.seed, kDepthScenes, 0), device)) {}
+      synthesised_(std::make_unique<KnownScenes>(dataset_.textures, config.data.synthesiser,
+                                                 mix_seed(config.seed, kDepthScenes, 0), device)) {}
 
 Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes codes, Dataset dataset,
                                           torch::Device device) {
@@ -155,9 +155,9 @@ Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes c
   E2LF_ASSIGN_OR_RETURN(const std::vector<size_t> numbers, batches.prepare());
   for (const size_t i : numbers) {
     const torch::Tensor& maps = batches.dataset_.scenes[i].disparity;
-    if (maps.defined() && maps.isfinite().flatten(1).any(1).all().item<bool>()) batches.real_.push_back(i);
+    if (maps.defined() && maps.isfinite().flatten(1).any(1).all().item<bool>()) batches.scenes_.push_back(i);
   }
-  if (batches.real_.empty() && config.data.synthetic_share < 1.0) {
+  if (batches.scenes_.empty() && config.data.synthetic_share < 1.0) {
     return fail(ErrorCode::kInvalidValue, config.data.file,
                 "no light field with disparities is left to train on; pack some with `e2lf pack --disparity`, or set "
                 "data.synthetic_share to 1");
@@ -172,7 +172,7 @@ Result<DepthBatches> DepthBatches::create(const Config& config, capture::Codes c
 
 KnownScene DepthBatches::random_scene(Draws& draws) const {
   if (draws.chance(config_.data.synthetic_share)) return pool_[draws.below(pool_.size())];
-  return scaled_part(dataset_.scenes[real_[draws.below(real_.size())]], config_.data.synthesiser.size, draws);
+  return scaled_part(dataset_.scenes[scenes_[draws.below(scenes_.size())]], config_.data.synthesiser.size, draws);
 }
 
 std::vector<capture::Codes> DepthBatches::draw_codes(Draws& draws) const {
@@ -189,7 +189,7 @@ std::vector<capture::Codes> DepthBatches::draw_codes(Draws& draws) const {
 
 DepthBatch DepthBatches::at(uint64_t step, Share share) {
   torch::NoGradGuard no_grad;
-  advance(pool_, kFirstScenes, step, [&](uint64_t number) { return scenes_->at(number); });
+  advance(pool_, kFirstScenes, step, [&](uint64_t number) { return synthesised_->at(number); });
   // All but the noise is drawn for the whole batch, so that a sample does not depend on the number of shares.
   Draws draws(mix_seed(config_.seed, kDepthSamples, step), 0);
   const uint64_t batch = config_.train.batch;

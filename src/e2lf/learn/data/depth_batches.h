@@ -42,8 +42,7 @@ class DepthBatches : public SampleSource {
 
   capture::Codes codes_;
   std::vector<capture::Codes> known_;
-  std::vector<size_t> real_;  ///< numbers of scenes for training
-  std::unique_ptr<KnownScenes> scenes_;
+  std::unique_ptr<KnownScenes> synthesised_;
   std::deque<KnownScene> pool_;
 };
 

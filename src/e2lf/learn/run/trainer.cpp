@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
 #include "e2lf/capture/patterns/codes.h"
 #include "e2lf/files/bundled_files.h"
@@ -310,7 +311,11 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
     return fail(ErrorCode::kInvalidValue, "train.steps", "the run has already trained ", step_,
                 " steps; give at least as many");
   }
-  if (peers_.leads()) E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
+  if (peers_.leads()) {
+    E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
+    const std::vector<std::string> scenes = task_->samples().trained_scenes();
+    if (!scenes.empty()) log_info(cat("the samples are parts of ", scenes.size(), " scenes: ", join(scenes)));
+  }
   const RunLog log(folder, figures());
   const auto draw_curves = [&]() -> Result<void> {
     return peers_.leads() ? log.draw_curves(config_.name, to_json(config_)) : Result<void>();
@@ -399,7 +404,10 @@ Result<model::Model> Trainer::to_model() const {
   model.constants = config_.sensor.nominal;
   model.camera = task_->samples().camera();
   model.input = config_.input;
-  model.provenance = {{"samples", step_ * config_.train.batch}, {"steps", step_}, {"config", without_folders(config_)}};
+  model.provenance = {{"samples", step_ * config_.train.batch},
+                      {"steps", step_},
+                      {"scenes", task_->samples().trained_scenes()},
+                      {"config", without_folders(config_)}};
   return task_->complete(std::move(model), average_);
 }
 
