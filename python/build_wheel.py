@@ -21,12 +21,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 # Folders beside share/e2lf in an environment of Python: e2lf.data_file() looks there.
-MODELS = ["e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry", "e2lf-depth"]  # e2lf-n4-geometry is composed of the first two
+# e2lf-n4-geometry is composed of the first two, and e2lf-depth reads what e2lf-depth-first has moved.
+MODELS = ["e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry", "e2lf-depth-first", "e2lf-depth"]
 DATA = {"models": [f"{name}.safetensors" for name in MODELS], "cameras": ["*.json"]}
 DESCRIPTION = """Light fields from the events of a camera behind a coded aperture.
 
 The wheel contains the models e2lf-n4 and e2lf-n4-depth, e2lf-n4-geometry, which is composed of both, and e2lf-depth for any
-patterns, so that it stays small. The others are in the folder models of the sources of e2lf: set E2LF_MODELS to this folder,
+patterns with e2lf-depth-first, so that it stays small. The others are in the folder models of the sources of e2lf: set E2LF_MODELS to this folder,
 or give their paths.
 """
 # Build trees that may hold the module already, the optimised ones first.

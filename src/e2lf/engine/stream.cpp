@@ -184,6 +184,17 @@ const std::vector<size_t>& Stream::rows_for(size_t output_rows) {
   return rows;
 }
 
+/// Returns whether the output of a stage is so much smaller than what it reads that it does not wait until it is
+/// wanted, so that its inputs need not be kept.
+bool Stream::frees_memory(size_t index) const {
+  constexpr size_t kMuchSmaller = 4;
+  const auto bytes = [](const Tensor& tensor) { return tensor.row_bytes() * tensor.height; };
+  const Stage& stage = plan_.stages[index];
+  size_t read = 0;
+  for (const size_t input : stage.inputs) read += bytes(tensors_[input]);
+  return !stage.residual && kMuchSmaller * bytes(tensors_[index + 1]) <= read;
+}
+
 void Stream::add_rows(Tensor& tensor, size_t end) {
   for (size_t y = tensor.done; y < end; ++y) {
     std::byte* memory = tensor.whole != nullptr ? tensor.whole->row(y) : memory_.rows.take(tensor.row_bytes());
@@ -266,7 +277,8 @@ void Stream::plan_input(std::vector<Job>& jobs) {
 void Stream::plan_stage(size_t index, std::vector<Job>& jobs) {
   Tensor& output = tensors_[index + 1];
   if (output.done == output.height) return;
-  const size_t end = next_end(output, std::min(rows_possible(index), rows_wanted(index + 1)));
+  const size_t wanted = frees_memory(index) ? output.height : rows_wanted(index + 1);
+  const size_t end = next_end(output, std::min(rows_possible(index), wanted));
   if (end <= output.done) return;
   add_rows(output, end);
   const Stage& stage = plan_.stages[index];

@@ -77,6 +77,7 @@ class Stream {
   void release_rows(size_t tensor);
   [[nodiscard]] size_t rows_possible(size_t stage) const;
   [[nodiscard]] size_t rows_wanted(size_t tensor);
+  [[nodiscard]] bool frees_memory(size_t stage) const;
   [[nodiscard]] const std::vector<size_t>& rows_for(size_t output_rows);
   [[nodiscard]] size_t next_end(const Tensor& tensor, size_t end) const;
   void plan_input(std::vector<Job>& jobs);

@@ -147,6 +147,23 @@ model::Network coarse_network() {
   return network;
 }
 
+/// Many channels, of which one layer keeps a few for the end, and others read them at 1/64 of the resolution.
+model::Network keeping_network() {
+  model::Network network{4, {conv("wide", "input", 128, 1, false), conv("kept", "wide", 8, 2, false, "", 2)}};
+  std::string last = "wide";
+  for (const int i : {0, 1, 2, 3, 4, 5}) {
+    network.layers.push_back(conv("half" + std::to_string(i), last, 8, 2, false, "", 2));
+    last = network.layers.back().name;
+  }
+  for (const int i : {0, 1, 2, 3, 4}) {
+    network.layers.push_back(transposed("twice" + std::to_string(i), last, 8, 2));
+    last = network.layers.back().name;
+  }
+  network.layers.push_back(conv("sum", last, 8, 3, false, "kept"));
+  network.layers.push_back(reshape("output", model::Op::kPixelShuffle, {"sum"}, 2));
+  return network;
+}
+
 size_t most_live_rows(const model::Network& network) {
   const Plan plan = make_plan(network, random_weights(network, 3), ElementType::kFloat32).value();
   const size_t height = 512, width = 512;
@@ -163,6 +180,11 @@ TEST(StreamTest, FewRowsOfDeepNetworksAreLive) {
 TEST(StreamTest, CoarseLayersDoNotFloodThoseAfterThem) {
   // 1055 rows of sixteen channels; 1303 where all rows that the coarse ones complete pass through at once.
   EXPECT_LT(most_live_rows(coarse_network()), 1150U);
+}
+
+TEST(StreamTest, LayersThatFreeMemoryDoNotWait) {
+  // 1303 rows of sixteen channels; 3165 where the few channels are not computed before the end is.
+  EXPECT_LT(most_live_rows(keeping_network()), 1500U);
 }
 
 }  // namespace

@@ -314,12 +314,15 @@ bool has_inputs_of_any_patterns(const model::Model& model) {
   return std::ranges::equal(model.input, kExpected, {}, &model::InputGroup::kind);
 }
 
+/// Adapts the network of disparity that moves the pictures that a network reads.
+Result<model::Model> moved_for_patterns(const model::Model& network, const capture::Codes& codes) {
+  E2LF_ASSIGN_OR_RETURN(model::Model disparity, for_patterns(network.open_guide->disparity, codes));
+  if (model::is_depth_network(network) && capture::codes_of_whole_cycle(codes)) return disparity;
+  return composed_for_patterns(network, std::move(disparity), codes);
+}
+
 /// Adapts the network of disparity that views follow.
 Result<model::Model> guided_for_patterns(const model::Model& views, const capture::Codes& codes) {
-  if (model::reads_moved_pictures(views)) {
-    E2LF_ASSIGN_OR_RETURN(model::Model of_events, for_patterns(views.open_guide->disparity, codes));
-    return views_for_patterns(views, std::move(of_events), codes);
-  }
   if (views.codes.value_or(codes) != codes || views.num_patterns != codes.num_patterns) {
     return fail(ErrorCode::kInvalidValue, views.name, "its views were trained for other patterns; use another model");
   }
@@ -339,6 +342,7 @@ Result<model::Model> guided_for_patterns(const model::Model& views, const captur
 }  // namespace
 
 Result<model::Model> for_patterns(const model::Model& model, const capture::Codes& codes) {
+  if (model::reads_moved_pictures(model) && model.open_guide) return moved_for_patterns(model, codes);
   if (model.open_guide) return guided_for_patterns(model, codes);
   if (!model::is_for_any_patterns(model)) {
     return fail(ErrorCode::kUnsupported, "", model.name,

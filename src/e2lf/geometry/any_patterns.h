@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "e2lf/geometry/aperture.h"
 #include "e2lf/model/composition.h"
 
 namespace e2lf::geometry {
@@ -11,8 +12,9 @@ namespace e2lf::geometry {
 /// result is an ordinary network for their event images. The first layers of such a network read the central picture
 /// and its derivatives, which are linear in the pictures behind the patterns, and features of each picture, which all
 /// pictures make in the same way; both are built into its weights, and the offsets of plane-sweep are the centroids of
-/// the patterns. Views that follow such a network (Model::open_guide) are composed with the adapted one; if they follow
-/// one for fixed patterns, only its offsets become those of these patterns, which must be similar. Fails with
+/// the patterns. Networks that follow or read such a network (Model::open_guide) are composed with the adapted one; if
+/// views follow one for fixed patterns, only its offsets become those of these patterns, which must be similar. Of
+/// networks of disparity on moved pictures, whole cycles take the one that moves them. Fails with
 /// kInvalidValue if these views were trained for other patterns, with kUnsupported for other networks, with kShape if
 /// its weights do not fit together, and as describe_aperture() does.
 [[nodiscard]] Result<model::Model> for_patterns(const model::Model& model, const capture::Codes& codes);
@@ -27,10 +29,14 @@ namespace e2lf::geometry {
 [[nodiscard]] Result<model::MovedInput> moved_input(const capture::Codes& codes,
                                                     const std::vector<model::InputGroup>& input);
 
-/// Composes a network of views that reads moved pictures (model::reads_moved_pictures()) with one of disparity that was
-/// adapted to `codes`. Fails with kUnsupported if it gives fewer views than the patterns have cells, and as
-/// moved_input() and model::on_moved_pictures() do.
-[[nodiscard]] Result<model::Model> views_for_patterns(model::Model views, model::Model disparity,
-                                                      const capture::Codes& codes);
+/// Among the planes of InputKind::kMoved, disparity and logarithm of its scale, times kDepthScale.
+inline constexpr size_t kFirstDepthPlane = model::kMovedPlanes - kApertureConstants - model::kDepthOutputs;
+inline constexpr float kDepthScale = 0.3F;
+
+/// Composes a network that reads moved pictures (model::reads_moved_pictures()) with one of disparity that was adapted
+/// to `codes`. Fails with kUnsupported if it gives fewer views than the patterns have cells, and as moved_input() and
+/// model::on_moved_pictures() do.
+[[nodiscard]] Result<model::Model> composed_for_patterns(model::Model network, model::Model disparity,
+                                                         const capture::Codes& codes);
 
 }  // namespace e2lf::geometry

@@ -12,12 +12,10 @@ namespace e2lf::geometry {
 namespace {
 
 constexpr size_t kMovedGroups = 2;             // levels and intensities
-constexpr float kDepthScale = 0.3F;            // of disparity and scale among the planes
 constexpr size_t kTransmissions = kSlots - 1;  // relative to that of the first place
 constexpr double kUsualThreshold = 0.35;       // by which the areas of patterns become levels
 constexpr double kDarkLevel = 3;               // in thresholds, below which a level depends less on the area
-static_assert(model::kMovedPlanes == 3 * kSlots + capture::kNumFixedConditions + kTransmissions +
-                                         kMovedGroups * kSlots + model::kDepthOutputs + kApertureConstants);
+static_assert(kFirstDepthPlane == 4 * kSlots + capture::kNumFixedConditions + kTransmissions + kMovedGroups * kSlots);
 
 /// Linear combinations of the channels that are known, one after another.
 class Combinations {
@@ -70,6 +68,10 @@ class Channels {
     for (size_t place = 0; place < kSlots; ++place) {
       planes.begin();
       for (size_t before = 0; before <= place; ++before) add_counts(before, 1, planes);
+    }
+    for (size_t place = 0; place < kSlots; ++place) {
+      planes.begin();
+      add_level(place, 1, planes);
     }
     for (size_t place = 0; place < kSlots; ++place) add_intensity(place, planes);
     add_conditions(planes);
@@ -198,17 +200,18 @@ Result<model::MovedInput> moved_input(const capture::Codes& codes, const std::ve
   return Channels(aperture, codes.num_patterns, unit).fill();
 }
 
-Result<model::Model> views_for_patterns(model::Model views, model::Model disparity, const capture::Codes& codes) {
-  if (codes.views_y > views.views_y || codes.views_x > views.views_x) {
-    return fail(ErrorCode::kUnsupported, views.name, "it gives ", views.views_y, "x", views.views_x,
+Result<model::Model> composed_for_patterns(model::Model network, model::Model disparity, const capture::Codes& codes) {
+  const bool has_few_views = codes.views_y > network.views_y || codes.views_x > network.views_x;
+  if (has_few_views && !model::is_depth_network(network)) {
+    return fail(ErrorCode::kUnsupported, network.name, "it gives ", network.views_y, "x", network.views_x,
                 " views, but the patterns have ", codes.views_y, "x", codes.views_x,
                 " cells; choose the inversion as the method");
   }
   E2LF_ASSIGN_OR_RETURN(const model::MovedInput input, moved_input(codes, disparity.input));
-  const model::Guide guide = views.open_guide ? views.open_guide->guide : model::Guide();
-  views.open_guide = nullptr;
+  const model::Guide guide = network.open_guide ? network.open_guide->guide : model::Guide();
+  network.open_guide = nullptr;
   E2LF_ASSIGN_OR_RETURN(model::Model result,
-                        model::on_moved_pictures(std::move(views), std::move(disparity), input, guide));
+                        model::on_moved_pictures(std::move(network), std::move(disparity), input, guide));
   result.is_adapted = true;
   E2LF_RETURN_IF_ERROR(model::validate(result, result.name));
   return result;

@@ -76,6 +76,9 @@ struct MovedPlanes {
       });
     }
     for (size_t k = 0; k < kSlots; ++k) {
+      add([&](size_t i) { return kLevelScale * level(k, i); });
+    }
+    for (size_t k = 0; k < kSlots; ++k) {
       add([&](size_t i) {
         double sum = 0;
         for (size_t p = 0; p < transitions_; ++p) {
@@ -111,18 +114,23 @@ struct MovedPlanes {
     for (size_t i = 0; i < kPixels; ++i) values.push_back(static_cast<float>(at(i)));
   }
 
+  /// The level that the pattern of e2lf-n4 would show in a place, in thresholds.
+  [[nodiscard]] double level(size_t k, size_t i) const {
+    double result = 0, of_area = 0;
+    for (size_t p = 0; p < transitions_; ++p) {
+      const AperturePicture& picture = aperture_.pictures[p];
+      result += picture.places[k] * moved(1, p, k, i) / kLevelScale;
+      of_area += picture.places[k] * std::log(kPlaceAreas[k] / picture.area) / 0.35;
+    }
+    return result + of_area * std::min(result / 3, 1.0);
+  }
+
   /// The counts of a pixel that shows the levels of the places, for which half a threshold remains.
   [[nodiscard]] std::array<double, kSlots> counts(size_t i) const {
     std::array<double, kSlots> result = {};
     double before = 0;
     for (size_t k = 0; k < kSlots; ++k) {
-      double level = 0, of_area = 0;
-      for (size_t p = 0; p < transitions_; ++p) {
-        const AperturePicture& picture = aperture_.pictures[p];
-        level += picture.places[k] * moved(1, p, k, i) / kLevelScale;
-        of_area += picture.places[k] * std::log(kPlaceAreas[k] / picture.area) / 0.35;
-      }
-      const double change = level + of_area * std::min(level / 3, 1.0) - before;
+      const double change = level(k, i) - before;
       result[k] = kLevelScale * std::copysign(std::max(std::abs(change) - 0.5, 0.0), change);
       before += result[k] / kLevelScale;
     }
@@ -175,6 +183,42 @@ TEST(MovedPictures, AreWhatTheViewsAreMadeOf) {
   // Then they follow the disparity as those of any network of views.
   EXPECT_EQ(adapted->network.layers.back().name, "guided");
   EXPECT_EQ(adapted->network.layers.back().residual, "views_output");
+}
+
+/// Disparities made of moved pictures.
+model::Model small_depth() {
+  model::Model model = small_views();
+  model.name = "depth";
+  model.network = {model::kMovedPlanes, {conv("output", "input", model::kDepthOutputs, 3, false)}};
+  model.weights.clear();
+  for (const auto& weights : model::weight_shapes(model.network)) {
+    model.weights[weights.name] = numbered(weights.name, weights.shape);
+  }
+  return model;
+}
+
+TEST(MovedPictures, AreWhatAnotherDisparityIsMadeOf) {
+  const capture::Codes codes = three_boxes();
+  const model::Model network = small_depth();
+  const auto adapted = for_patterns(network, codes);
+  ASSERT_TRUE(adapted) << adapted.error().text();
+  EXPECT_TRUE(model::is_depth_network(*adapted));
+  EXPECT_EQ(adapted->name, "depth");
+  EXPECT_EQ(adapted->codes, codes);
+  const std::vector<float> input = inputs(codes.num_patterns - 1);
+  const model::Model first = for_patterns(small_model(), codes).value();
+  const MovedPlanes planes(input, run_engine(first.network, first.weights, input, kSize, kSize), codes);
+  const auto expected = run_engine(network.network, network.weights, planes.values, kSize, kSize);
+  const auto found = run_engine(adapted->network, adapted->weights, input, kSize, kSize);
+  ASSERT_EQ(found.size(), expected.size());
+  for (size_t i = 0; i < found.size(); ++i) ASSERT_NEAR(found[i], expected[i], 1e-4) << i;
+}
+
+TEST(MovedPictures, LeaveWholeCyclesToTheFirstDisparity) {
+  const capture::Codes cycle = capture::whole_cycle(three_boxes());
+  const auto adapted = for_patterns(small_depth(), cycle);
+  ASSERT_TRUE(adapted) << adapted.error().text();
+  EXPECT_EQ(adapted->network, for_patterns(small_model(), cycle)->network);
 }
 
 TEST(MovedPictures, OfE2lfN4StayWhereTheyAre) {

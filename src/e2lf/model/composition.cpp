@@ -325,6 +325,46 @@ Matrix views_around_reference(const Model& views, const Model& fewer) {
   return chosen;
 }
 
+/// Adds `planes`, InputKind::kMoved of pictures that are moved by a disparity.
+void add_moved_planes(const MovedInput& input, const std::string& disparity, WeightedNetwork& to) {
+  Graph graph(to);
+  Matrix chosen(input.moved.size(), to.network.input_channels);
+  for (size_t c = 0; c < chosen.rows; ++c) chosen(c, input.moved[c]) = 1;
+  graph.conv("coded_pictures", "input", chosen);
+  std::vector<std::string> known = {"input"};
+  for (size_t place = 0; place < input.num_places(); ++place) {
+    for (Layer& layer : moves_to_place(input, place, "coded_pictures", disparity)) graph.add(std::move(layer));
+    known.push_back(to.network.layers.back().name);
+  }
+  known.push_back(disparity);
+  graph.concat("known", known);
+  std::string last = "known";
+  for (const LinearStep& step : input.rectified) {
+    const std::string number = std::to_string(known.size());
+    graph.relu("rectified" + number, last, matrix_of(step), step.bias);
+    known.push_back("rectified" + number);
+    graph.concat("known" + number, {last, known.back()});
+    last = "known" + number;
+  }
+  graph.conv("planes", last, matrix_of(input.planes), input.planes.bias);
+}
+
+/// Adds the result of a network of views for moved pictures: as many views as the patterns of `disparity` have cells,
+/// which follow it.
+Result<void> add_own_views(std::string of_views, const std::string& of_disparity, const Model& disparity,
+                           const Guide& guide, Model& views, WeightedNetwork& to) {
+  E2LF_RETURN_IF_ERROR(check_limit(views, guide));
+  Graph graph(to);
+  if (disparity.views_y != views.views_y || disparity.views_x != views.views_x) {
+    graph.conv("own_views", of_views, views_around_reference(views, disparity));
+    of_views = "own_views";
+    views.views_y = disparity.views_y;
+    views.views_x = disparity.views_x;
+  }
+  add_following(graph, of_views, of_disparity, views, guide);
+  return {};
+}
+
 }  // namespace
 
 Result<Model> at_two_scales(Model network, float share) {
@@ -390,52 +430,28 @@ std::vector<Layer> moves_to_place(const MovedInput& input, size_t place, const s
   return layers;
 }
 
-Result<Model> on_moved_pictures(Model views, Model disparity, const MovedInput& input, const Guide& guide) {
+Result<Model> on_moved_pictures(Model network, Model disparity, const MovedInput& input, const Guide& guide) {
   if (!is_depth_network(disparity)) return misfit(disparity.name, "it gives views; name a network of disparity");
-  if (!reads_moved_pictures(views)) return misfit(views.name, "it reads events; name a network of moved pictures");
-  E2LF_RETURN_IF_ERROR(check_limit(views, guide));
-  const size_t inputs = disparity.network.input_channels, moved = input.moved.size();
+  if (!reads_moved_pictures(network)) return misfit(network.name, "it reads events; name a network of moved pictures");
   WeightedNetwork both;
-  both.network.input_channels = inputs;
   const std::string of_disparity = kGuide + disparity.network.layers.back().name;
+  both.network.input_channels = disparity.network.input_channels;
   append({std::move(disparity.network), std::move(disparity.weights)}, kGuide, "input", both);
-  Graph graph(both);
-  Matrix chosen(moved, inputs);
-  for (size_t c = 0; c < moved; ++c) chosen(c, input.moved[c]) = 1;
-  graph.conv("coded_pictures", "input", chosen);
-  std::vector<std::string> known = {"input"};
-  for (size_t place = 0; place < input.num_places(); ++place) {
-    for (Layer& layer : moves_to_place(input, place, "coded_pictures", of_disparity)) graph.add(std::move(layer));
-    known.push_back(both.network.layers.back().name);
-  }
-  known.push_back(of_disparity);
-  graph.concat("known", known);
-  std::string last = "known";
-  for (const LinearStep& step : input.rectified) {
-    const std::string number = std::to_string(known.size());
-    graph.relu("rectified" + number, last, matrix_of(step), step.bias);
-    known.push_back("rectified" + number);
-    graph.concat("known" + number, {last, known.back()});
-    last = "known" + number;
-  }
-  graph.conv("planes", last, matrix_of(input.planes), input.planes.bias);
-  std::string of_views = kOfMoved + views.network.layers.back().name;
-  append({std::move(views.network), std::move(views.weights)}, kOfMoved, "planes", both);
-  if (disparity.views_y != views.views_y || disparity.views_x != views.views_x) {
-    graph.conv("own_views", of_views, views_around_reference(views, disparity));
-    of_views = "own_views";
-    views.views_y = disparity.views_y;
-    views.views_x = disparity.views_x;
-  }
-  add_following(graph, of_views, of_disparity, views, guide);
-  views.input = disparity.input;
-  views.num_patterns = disparity.num_patterns;
-  views.codes = disparity.codes;
-  views.black_first = disparity.black_first;
-  views.network = std::move(both.network);
-  views.weights = std::move(both.weights);
-  views.provenance["disparity_of"] = disparity.name;
-  return views;
+  add_moved_planes(input, of_disparity, both);
+  const bool gives_views = !is_depth_network(network);
+  const std::string last = kOfMoved + network.network.layers.back().name;
+  append({std::move(network.network), std::move(network.weights)}, kOfMoved, "planes", both);
+  if (gives_views) E2LF_RETURN_IF_ERROR(add_own_views(last, of_disparity, disparity, guide, network, both));
+  network.views_y = disparity.views_y;
+  network.views_x = disparity.views_x;
+  network.input = disparity.input;
+  network.num_patterns = disparity.num_patterns;
+  network.codes = disparity.codes;
+  network.black_first = disparity.black_first;
+  network.network = std::move(both.network);
+  network.weights = std::move(both.weights);
+  network.provenance["disparity_of"] = disparity.name;
+  return network;
 }
 
 }  // namespace e2lf::model

@@ -54,11 +54,12 @@ struct MovedInput {
   [[nodiscard]] size_t num_places() const { return places.size() / 2; }
 };
 
-/// Composes a network of views that reads InputKind::kMoved with one of disparity, which moves the pictures behind the
-/// patterns, and which the views follow as those of guided() do. The result has the name and the properties of `views`,
-/// and the inputs of `disparity`; of the views, it has as many around the reference view as the patterns of `disparity`
-/// have cells. Fails with kInvalidValue unless reads_moved_pictures(views) and `disparity` gives disparities.
-[[nodiscard]] Result<Model> on_moved_pictures(Model views, Model disparity, const MovedInput& input,
+/// Composes a network that reads InputKind::kMoved with one of disparity, which moves the pictures behind the patterns.
+/// The result has the name and the properties of `network`, and the inputs of `disparity`. Views follow the disparity
+/// as those of guided() do, and are as many around the reference view as the patterns of `disparity` have cells; a
+/// network of disparity gives that of these pictures. Fails with kInvalidValue unless reads_moved_pictures(network) and
+/// `disparity` gives disparities.
+[[nodiscard]] Result<Model> on_moved_pictures(Model network, Model disparity, const MovedInput& input,
                                               const Guide& guide);
 
 /// Returns the layers of on_moved_pictures() that move the layer `pictures` to a place: the disparity is moved there

@@ -33,13 +33,17 @@ enum class InputKind {
   kLensArray,   ///< scale * each of 64 views from a lens array, interpolated bilinearly between lens centres
   /// What is known whatever the patterns are, kMovedPlanes channels, of the pictures behind the patterns that were
   /// moved by the disparity to the viewpoints of the lit patterns of e2lf-n4 (geometry::kPlaces): the inputs of
-  /// e2lf-n4-camera (counts, cumulative counts, intensities, and the camera); the slots of the levels and of the
-  /// intensities (geometry::Aperture) where the events were; disparity and logarithm of its scale, times 0.3; and,
-  /// constant over the image, the aperture. Only composed models have it (composition.h).
+  /// e2lf-n4-depth (kInputsOfMoved); the slots of the levels and of the intensities (geometry::Aperture) where the
+  /// events were; disparity and logarithm of its scale, times 0.3; and, constant over the image, the aperture. Only
+  /// composed models have it (composition.h).
   kMoved,
 };
 
-inline constexpr size_t kMovedPlanes = 52;
+inline constexpr size_t kMovedPlanes = 55;
+
+/// What the planes of InputKind::kMoved begin with, which are those of networks for four patterns.
+inline constexpr InputKind kInputsOfMoved[] = {InputKind::kCounts, InputKind::kCumulative, InputKind::kLevel,
+                                               InputKind::kIntensity, InputKind::kCamera};
 
 /// Their names in files.
 inline constexpr Choice<InputKind> kInputKinds[] = {

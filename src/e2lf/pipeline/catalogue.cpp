@@ -16,7 +16,7 @@ namespace {
 bool can_be_adapted(const model::StatedModel& stated, const capture::Codes& codes) {
   if (!stated.is_for_any_patterns || !capture::is_black_first(codes)) return false;
   const model::Model& model = stated.model;
-  return !model::reads_moved_pictures(model) ||
+  return !model::reads_moved_pictures(model) || model::is_depth_network(model) ||
          (model.views_y >= codes.views_y && model.views_x >= codes.views_x && !capture::codes_of_whole_cycle(codes));
 }
 

@@ -25,7 +25,7 @@ assert {file.name for file in listed} >= {"py.typed", "__init__.pyi", "e2lf-dept
 for file in listed:
     digest = base64.urlsafe_b64encode(hashlib.sha256(file.read_binary()).digest()).rstrip(b"=").decode()
     assert digest == file.hash.value, file
-assert sorted(file.stem for file in listed if file.suffix == ".safetensors") == ["e2lf-depth", "e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry"]
+assert sorted(file.stem for file in listed if file.suffix == ".safetensors") == ["e2lf-depth", "e2lf-depth-first", "e2lf-n4", "e2lf-n4-depth", "e2lf-n4-geometry"]
 try:
     e2lf.Model("e2lf-n4-camera")
 except e2lf.Error as error:

@@ -5,6 +5,7 @@
 #include <torch/torch.h>
 
 #include "e2lf/base/text.h"
+#include "e2lf/geometry/any_patterns.h"
 #include "e2lf/geometry/aperture.h"
 #include "e2lf/geometry/operations.h"
 #include "e2lf/model/layer_list.h"
@@ -24,6 +25,9 @@ constexpr int64_t kSweepScale = 4, kWindow = 7;                // px
 constexpr int kMostDisparity = 17;                             // in fifths of a px per view step
 /// What is the same at all pixels of the first layers but the number of cycles, which comes last.
 constexpr int64_t kConstants = geometry::kApertureConstants + kSlots + capture::kNumFixedConditions - 1;
+
+constexpr size_t kHeadScale = 2;       ///< of the last convolution, px
+constexpr const char* kKept = "kept";  ///< what remains of the disparity by which pictures were moved
 
 std::vector<double> compared_disparities() {
   std::vector<double> disparities;
@@ -147,9 +151,41 @@ Network depth_network(const std::vector<size_t>& widths, size_t num_inputs) {
        .kernel = kWindow,
        .attributes = {{"disparities", compared_disparities()}, {"offsets", std::vector<double>(2 * kPictures, 0.0)}}});
   x = layers.levels(x, widths, {}, [&](const std::string& half) { return add_evidence(layers, half, widths[1]); });
-  x = layers.conv("head", x, 4 * model::kDepthOutputs, 3);
-  layers.add({.name = "output", .op = model::Op::kPixelShuffle, .inputs = {x}, .stride = 2});
+  x = layers.conv("head", x, kHeadScale * kHeadScale * model::kDepthOutputs, 3);
+  layers.add({.name = "output", .op = model::Op::kPixelShuffle, .inputs = {x}, .stride = kHeadScale});
   return network;
+}
+
+Network depth_network_of_moved_pictures(const std::vector<size_t>& widths) {
+  Network network = depth_network(widths, model::kMovedPlanes);
+  const auto head = std::ranges::find(network.layers, "head", &model::Layer::name);
+  head->residual = kKept;
+  network.layers.insert(head, {.name = kKept,
+                               .inputs = {"input"},
+                               .out_channels = head->out_channels,
+                               .kernel = kHeadScale,
+                               .stride = kHeadScale});
+  const auto sweep = std::ranges::find(network.layers, "sweep", &model::Layer::name);
+  std::vector<double>& offsets = sweep->attributes["offsets"];
+  offsets.clear();
+  for (const auto& place : geometry::kPlaces) {
+    for (const double offset : place) offsets.push_back(offset / static_cast<double>(kSweepScale));
+  }
+  return network;
+}
+
+void begin_with_mean_of_disparities(model::Weights& weights) {
+  for (const char* name : {"head.weight", "head.bias"}) {
+    for (float& value : weights[name]) value *= 0.5F;
+  }
+  constexpr size_t kPixels = kHeadScale * kHeadScale, kOutputs = model::kDepthOutputs * kPixels;
+  std::vector<float>& kept = weights[cat(kKept, ".weight")];
+  kept.assign(kOutputs * model::kMovedPlanes * kPixels, 0.0F);
+  for (size_t output = 0; output < kOutputs; ++output) {
+    const size_t plane = geometry::kFirstDepthPlane + output / kPixels;
+    kept[(output * model::kMovedPlanes + plane) * kPixels + output % kPixels] = 0.5F / geometry::kDepthScale;
+  }
+  weights[cat(kKept, ".bias")].assign(kOutputs, 0.0F);
 }
 
 DepthInputs form_depth_inputs(const torch::Tensor& events, const SampleConstants& constants,

@@ -32,6 +32,14 @@ struct Apertures {
 /// on, and the input for `num_inputs` channels. geometry::for_patterns() adapts them.
 [[nodiscard]] model::Network depth_network(const std::vector<size_t>& widths, size_t num_inputs);
 
+/// The same layers for pictures that were moved to geometry::kPlaces. Their result is added to a multiple of the
+/// disparity that moved these.
+[[nodiscard]] model::Network depth_network_of_moved_pictures(const std::vector<size_t>& widths);
+
+/// Changes weights of depth_network() so that the result of the layers for moved pictures is the mean of its disparity
+/// and of that which moved the pictures.
+void begin_with_mean_of_disparities(model::Weights& weights);
+
 /// The measurements of a batch as inputs.
 struct DepthInputs {
   torch::Tensor groups;        ///< cumulative counts, levels, intensities of the transitions: [batch, 3, N - 1, y, x]

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "e2lf/base/text.h"
+#include "e2lf/learn/network/any_patterns.h"
 
 namespace e2lf::learn {
 namespace {
@@ -100,8 +101,8 @@ Result<void> check_any_patterns(const Config& config, const std::string& locatio
               "this program was built without the operations of geometry; train with e2lf");
 #endif
   constexpr InputKind kKinds[] = {InputKind::kCumulative, InputKind::kLevel, InputKind::kIntensity, InputKind::kCamera};
-  if (config.network.gives_disparity() && !std::ranges::equal(config.input, kKinds, {}, &model::InputGroup::kind)) {
-    return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera; list these",
+  if (!reads_moved && !std::ranges::equal(config.input, kKinds, {}, &model::InputGroup::kind)) {
+    return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera, or moved; list these",
                    location + ".input");
   }
   if (config.patterns.codes.empty() || !config.patterns.black_first) {
@@ -118,7 +119,7 @@ Result<void> check_any_patterns(const Config& config, const std::string& locatio
                        " px for these levels; set train.patch to one"),
                    location + ".train.patch");
   }
-  if (!reads_moved && config.data.synthesiser.size != static_cast<int64_t>(config.train.patch)) {
+  if (config.network.gives_disparity() && config.data.synthesiser.size != static_cast<int64_t>(config.train.patch)) {
     return invalid("plane-sweep is trained with whole scenes; set train.patch and data.synthesiser.size to one value",
                    location + ".train.patch");
   }
@@ -191,6 +192,9 @@ Json to_json(const Config& config) {
 model::Network make_network(const Config& config) {
   model::UnetOptions options = config.network;
   options.input_channels = model::num_input_channels(config.input, config.patterns.num_patterns);
+#if E2LF_LEARN_KERNELS
+  if (config.network.gives_disparity()) return depth_network_of_moved_pictures(config.network.widths);
+#endif
   return config.network.type == "recnet" ? model::recnet(options.input_channels) : model::unet(options);
 }
 

@@ -220,10 +220,12 @@ TEST(DepthBatchesOfFixedPatterns, AllHaveThoseOfTheConfiguration) {
   EXPECT_EQ(batch.events.size(1), static_cast<int64_t>(codes.num_patterns) - 1);
 }
 
-TEST(DepthTraining, StartsFromNetworksForAnyPatternsAlone) {
+TEST(DepthTraining, StartsFromNetworksOnEventsOfAnyPatternsAlone) {
   Config config = depth_config();
-  config.start = "e2lf-n4-depth";
-  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
+  for (const char* start : {"e2lf-n4-depth", "e2lf-depth"}) {
+    config.start = start;
+    EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << start;
+  }
 }
 
 /// Of the networks for the patterns of e2lf-n4, at a smaller size.
@@ -252,11 +254,11 @@ TEST(DepthTraining, ConfigurationsOfFixedPatternsGiveModelsForThem) {
 
 TEST(DepthTraining, ItsConfigurationGivesTheLayersOfTheBundledNetwork) {
   geometry::add_operations();
-  const auto path = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / "e2lf-depth.json";
+  const auto path = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / "e2lf-depth-first.json";
   const auto config = config_from_json(read_json(path).value(), path.string());
   ASSERT_TRUE(config) << config.error().text();
   EXPECT_TRUE(config->network.gives_disparity());
-  const auto bundled = model::read_model(*bundled_file_named(kBundledModels, "e2lf-depth")).value();
+  const auto bundled = model::read_model(*bundled_file_named(kBundledModels, "e2lf-depth-first")).value();
   EXPECT_EQ(config->input, bundled.input);
   auto network = depth_network(config->network.widths, bundled.network.input_channels);
   network.layers.pop_back();  // the output, which takes the mean of two scales
@@ -278,7 +280,7 @@ TEST(DepthTraining, TheBundledNetworkIsRightMoreOftenThanAnUntrainedOne) {
   config.train.patch = 128;
   double score[2] = {};
   for (const bool is_trained : {false, true}) {
-    config.start = is_trained ? "e2lf-depth" : "";
+    config.start = is_trained ? "e2lf-depth-first" : "";
     const auto trainer = Trainer::create(config);
     ASSERT_TRUE(trainer) << trainer.error().text();
     for (const auto& camera : trainer->cameras()) {

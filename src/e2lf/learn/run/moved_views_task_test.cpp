@@ -58,7 +58,7 @@ TEST(MovedPlanes, AreThoseOfTheComposedNetwork) {
   torch::manual_seed(7);
   constexpr int64_t kTwoScales = 128;                                   // px, of which half is what one scale needs
   const capture::Codes patterns = read_pattern_set("e2lf-n8").value();  // whose pictures share the places
-  const model::Model disparity = geometry::for_patterns(bundled("e2lf-depth"), patterns).value();
+  const model::Model disparity = geometry::for_patterns(bundled("e2lf-depth-first"), patterns).value();
   const int64_t transitions = 7;
   DepthInputs inputs{torch::randn({1, 3, transitions, kTwoScales, kTwoScales}),
                      torch::rand({1, static_cast<int64_t>(capture::conditioning_size(8))}) - 0.5,
@@ -79,7 +79,7 @@ TEST(MovedPlanes, AreThoseOfTheComposedNetwork) {
   views.input = {{model::InputKind::kMoved, 1.0F}};
   views.network = of_views.network();
   views.weights = to_weights(of_views.parameters());
-  auto composed = geometry::views_for_patterns(views, disparity, patterns);
+  auto composed = geometry::composed_for_patterns(views, disparity, patterns);
   ASSERT_TRUE(composed) << composed.error().text();
   auto& layers = composed->network.layers;  // without those that follow the disparity
   layers.erase(std::ranges::find(layers, "views_output", &model::Layer::name) + 1, layers.end());
@@ -107,6 +107,33 @@ TEST(MovedPlanes, LetANetworkForE2lfN4StartAsItIs) {
   EXPECT_GT(scores->front().score, other->front().score + 8);
 }
 
+Config small_depth_config() {
+  Config config = small_config();
+  config.name = "depth";
+  config.network = {{.widths = {8, 12}, .blocks = {1, 1}}, "plane-sweep"};
+  return config;
+}
+
+/// With the patterns of e2lf-n4, the network for these starts as it is.
+TEST(MovedPlanes, LetADisparityOfE2lfN4StartAsItIs) {
+  Config config = small_depth_config();
+  config.network.widths = {40, 64, 88, 112, 128, 128};
+  config.network.blocks.assign(6, 1);
+  config.data.synthesiser.size = config.train.patch = 128;
+  double score[2] = {};
+  for (const bool is_trained : {false, true}) {
+    config.start = is_trained ? "e2lf-n4-depth" : "";
+    const auto trainer = Trainer::create(config);
+    ASSERT_TRUE(trainer) << trainer.error().text();
+    for (const char* scene : {"synthesised 1", "synthesised 2"}) {
+      const auto scores = trainer->evaluate({scene}, trainer->cameras().front());
+      ASSERT_TRUE(scores) << scores.error().text();
+      score[is_trained ? 1 : 0] += scores->front().score / 2;
+    }
+  }
+  EXPECT_LT(score[1], 0.8 * score[0]);
+}
+
 class MovedViewsRun : public testing::Test {
  protected:
   MovedViewsRun() { std::filesystem::create_directories(folder_); }
@@ -115,27 +142,29 @@ class MovedViewsRun : public testing::Test {
 };
 
 TEST_F(MovedViewsRun, ResumesBitExactlyAndStoresAModelThatNamesItsDisparity) {
-  const Config config = small_config();
-  auto whole = Trainer::create(config);
-  ASSERT_TRUE(whole) << whole.error().text();
-  for (int i = 0; i < 4; ++i) ASSERT_TRUE(whole->train_step());
-  auto first = Trainer::create(config), resumed = Trainer::create(config);
-  for (int i = 0; i < 2; ++i) ASSERT_TRUE(first->train_step());
-  ASSERT_TRUE(first->save_checkpoint(folder_ / "checkpoint"));
-  ASSERT_TRUE(resumed->load_checkpoint(folder_ / "checkpoint"));
-  for (int i = 0; i < 2; ++i) ASSERT_TRUE(resumed->train_step());
-  for (const auto& [name, tensor] : whole->parameters()) {
-    EXPECT_TRUE(torch::equal(tensor, resumed->parameters().at(name))) << name;
+  for (const Config& config : {small_config(), small_depth_config()}) {
+    auto whole = Trainer::create(config);
+    ASSERT_TRUE(whole) << whole.error().text();
+    for (int i = 0; i < 4; ++i) ASSERT_TRUE(whole->train_step());
+    auto first = Trainer::create(config), resumed = Trainer::create(config);
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(first->train_step());
+    ASSERT_TRUE(first->save_checkpoint(folder_ / "checkpoint"));
+    ASSERT_TRUE(resumed->load_checkpoint(folder_ / "checkpoint"));
+    for (int i = 0; i < 2; ++i) ASSERT_TRUE(resumed->train_step());
+    for (const auto& [name, tensor] : whole->parameters()) {
+      EXPECT_TRUE(torch::equal(tensor, resumed->parameters().at(name))) << name;
+    }
+    const auto model = whole->to_model();
+    ASSERT_TRUE(model) << model.error().text();
+    ASSERT_TRUE(model::write_model(folder_ / "own.safetensors", *model));
+    const auto read = model::read_model(folder_ / "own.safetensors");
+    ASSERT_TRUE(read) << read.error().text();
+    EXPECT_TRUE(model::reads_moved_pictures(*read));
+    EXPECT_EQ(model::is_depth_network(*read), config.network.gives_disparity());
+    EXPECT_EQ(read->weights, model->weights);
+    EXPECT_EQ(read->parts, std::vector{*bundled_file_named(kBundledModels, "e2lf-depth-first")});
+    EXPECT_TRUE(geometry::for_patterns(*read, *bundled("e2lf-n4").codes));
   }
-  const auto model = whole->to_model();
-  ASSERT_TRUE(model) << model.error().text();
-  ASSERT_TRUE(model::write_model(folder_ / "views.safetensors", *model));
-  const auto read = model::read_model(folder_ / "views.safetensors");
-  ASSERT_TRUE(read) << read.error().text();
-  EXPECT_TRUE(model::reads_moved_pictures(*read));
-  EXPECT_EQ(read->weights, model->weights);
-  EXPECT_EQ(read->parts, std::vector{*bundled_file_named(kBundledModels, "e2lf-depth")});
-  EXPECT_TRUE(geometry::for_patterns(*read, *bundled("e2lf-n4").codes));
 }
 
 TEST_F(MovedViewsRun, JudgesTheViewsOfSeveralSetsWithBothSensors) {
@@ -154,46 +183,55 @@ TEST_F(MovedViewsRun, JudgesTheViewsOfSeveralSetsWithBothSensors) {
 
 TEST(MovedViewsTraining, RefusesWhatItCannotTrain) {
   Config config = small_config();
-  for (const char* start : {"e2lf-depth", "e2lf-n8-camera"}) {
+  for (const char* start : {"e2lf-depth-first", "e2lf-depth", "e2lf-n4-depth", "e2lf-n8-camera"}) {
+    config.start = start;
+    EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << start;
+  }
+  config = small_depth_config();
+  for (const char* start : {"e2lf-any", "e2lf-n4-camera"}) {
     config.start = start;
     EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << start;
   }
   config = small_config();
-  config.network.disparity = "e2lf-n4";
-  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue);
+  for (const char* disparity : {"e2lf-n4", "e2lf-n4-depth", "e2lf-depth"}) {
+    config.network.disparity = disparity;
+    EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << disparity;
+  }
   config = small_config();
   config.train.patch = config.data.synthesiser.size = 32;
-  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << "e2lf-depth takes multiples of 64";
+  EXPECT_EQ(Trainer::create(config).error().code, ErrorCode::kInvalidValue) << "e2lf-depth-first takes multiples of 64";
 }
 
 /// The stored model states the name alone, which must not lead to another network.
 TEST_F(MovedViewsRun, RefusesADisparityThatABundledModelWouldReplace) {
-  const auto own = folder_ / "e2lf-depth.safetensors", renamed = folder_ / "own-depth.safetensors";
+  const auto own = folder_ / "e2lf-depth-first.safetensors", renamed = folder_ / "own-depth.safetensors";
   for (const auto& path : {own, renamed}) {
-    std::filesystem::copy_file(*bundled_file_named(kBundledModels, "e2lf-depth"), path);
+    std::filesystem::copy_file(*bundled_file_named(kBundledModels, "e2lf-depth-first"), path);
     Config config = small_config();
     config.network.disparity = path.string();
     EXPECT_EQ(Trainer::create(config).ok(), path == renamed) << path;
   }
 }
 
-Config bundled_config() {
-  const auto path = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / "e2lf-any.json";
+Config bundled_config(const std::string& name) {
+  const auto path = std::filesystem::path(E2LF_SOURCE_TREE) / "configs" / (name + ".json");
   const auto config = config_from_json(read_json(path).value(), path.string());
   EXPECT_TRUE(config) << config.error().text();
   return *config;
 }
 
-TEST(MovedViewsTraining, ItsConfigurationGivesTheLayersOfTheBundledNetwork) {
-  const Config config = bundled_config();
-  const model::Model model = bundled("e2lf-any");
-  EXPECT_EQ(config.input, model.input);
-  EXPECT_EQ(make_network(config), model.network);
+TEST(MovedViewsTraining, ConfigurationsGiveTheLayersOfTheBundledNetworks) {
+  for (const std::string name : {"e2lf-any", "e2lf-depth"}) {
+    const Config config = bundled_config(name);
+    const model::Model model = bundled(name);
+    EXPECT_EQ(config.input, model.input);
+    EXPECT_EQ(make_network(config), model.network) << name;
+  }
 }
 
 TEST(MovedViewsTraining, TheBundledNetworkIsBetterThanAnUntrainedOne) {
   Config config = small_config();
-  config.network = bundled_config().network;
+  config.network = bundled_config("e2lf-any").network;
   double score[2] = {};
   for (const bool is_trained : {false, true}) {
     config.start = is_trained ? "e2lf-any" : "";
