@@ -51,11 +51,11 @@ py -c 'import numpy as np; np.savez("events.npz", events=np.load("demo/events.np
 "$E2LF" simulate demo/scene -m "$models/e2lf-n8.safetensors" -o simulated.npz --quiet
 py -c 'import numpy as np; np.savez("eight.npz", events=np.load("simulated.npz")["events"])'
 py "$TESTSUITE/geometry_models.py" "$models/e2lf-n4.safetensors"
-for model in any n4-capture-geometry; do "$E2LF" model store e2lf-$model --codes e2lf-n4 -o $model.safetensors --quiet; done
-for model in "$models"/*.safetensors layers.safetensors any.safetensors n4-capture-geometry.safetensors; do
+for model in any depth n4-capture-geometry; do "$E2LF" model store e2lf-$model --codes e2lf-n4 -o $model-adapted.safetensors --quiet; done
+for model in "$models"/*.safetensors layers.safetensors any-adapted.safetensors n4-capture-geometry-adapted.safetensors; do
   camera=()
   name=$(basename "$model" .safetensors)
-  [[ $name != *-depth ]] || continue  # see below
+  [[ $name != *-depth && $name != *-depth-first ]] || continue  # see below
   [[ $name != e2lf-any && $name != e2lf-n4-capture-geometry ]] || continue  # take no patterns as they are
   events=events.npz
   [[ $name != e2lf-n8* ]] || events=eight.npz
@@ -65,7 +65,7 @@ for model in "$models"/*.safetensors layers.safetensors any.safetensors n4-captu
 done
 
 # Networks for disparities have a location and a logarithm of a scale.
-for model in "$models"/e2lf-n4-depth.safetensors depth.safetensors; do
+for model in "$models"/e2lf-n4-depth.safetensors depth.safetensors depth-adapted.safetensors; do
   [ -e "$model" ] || continue
   "$E2LF" depth events.npz -m "$model" -o disparity.npy --precision float32 --quiet --overwrite
   "$E2LF" model export "$model" -o model.onnx --json --overwrite >about.json
