@@ -74,7 +74,7 @@ def difference(model, module=None):
 class NetworkTest(InFolder):
     def test_bundled_models_give_the_light_field_of_the_engine(self):
         for path in sorted(Path(e2lf.bundled_model()).parent.glob("*.safetensors")):
-            needs_patterns = path.stem in ("e2lf-any", "e2lf-n4-capture-geometry")
+            needs_patterns = path.stem in ("e2lf-any", "e2lf-depth", "e2lf-n4-capture-geometry")
             largest = difference(e2lf.Model(path, codes=e2lf.read_codes("e2lf-n4") if needs_patterns else None))
             print(f"{path.stem}: {largest:.1e}")
             self.assertLess(largest, EXACT, path.stem)
