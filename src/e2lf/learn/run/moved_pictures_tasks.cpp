@@ -96,8 +96,9 @@ class MovedPicturesTask : public AnyPatternsTask {
     model::WeightedNetwork result{model.network, model.weights};
     const auto insert = [&](size_t first, size_t count) {
       auto with_more = with_unused_inputs(result.network, result.weights, first, count);
-      if (with_more) result = *std::move(with_more);
-      return with_more.has_value();
+      if (!with_more) return false;
+      result = *std::move(with_more);
+      return true;
     };
     size_t known = 0;
     auto group = model.input.begin();
