@@ -92,6 +92,7 @@ TEST(OpenMethod, ChoosesAmongTheBundledModelsByWhatTheyState) {
     EXPECT_EQ(name_for(others, camera, {}), "e2lf-any");
     EXPECT_EQ(name_for(others, camera, {.prefers_fast = true}), "e2lf-any");
     EXPECT_EQ(name_for(others, camera, {.algorithm = Algorithm::kDepth}), "e2lf-depth");
+    EXPECT_EQ(name_for(capture::whole_cycle(others), camera, {.algorithm = Algorithm::kDepth}), "e2lf-depth-first");
   }
 }
 

@@ -96,7 +96,7 @@ class DepthTask : public AnyPatternsTask {
 
   /// Adapts the weights to patterns.codes, at two scales. Fails as geometry::for_patterns() does.
   [[nodiscard]] Result<model::Model> complete(model::Model model, const NamedTensors& weights) const override {
-    model.network = depth_network(config_.network.widths, model::num_input_channels(model.input, codes_.num_patterns));
+    model.network = make_network(config_);
     model.weights.clear();
     for (const auto& tensor : model::weight_shapes(model.network)) {
       model.weights[tensor.name] = std::vector<float>(tensor.size());  // of layers that are adapted to the patterns

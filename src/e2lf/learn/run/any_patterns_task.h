@@ -34,7 +34,7 @@ struct JudgedEvents {
 /// Returns the share of disparities that are wrong, in %, without a border of 15 px.
 [[nodiscard]] double wrong_disparities(const torch::Tensor& disparity, const Scene& scene);
 
-/// The layers with few outputs of a network of disparity are left to Adam.
+/// Returns the weights of a network of disparity that Muon updates. The layers with few outputs are left to Adam.
 [[nodiscard]] NamedTensors disparity_weights_of_muon(const NetworkModule& network);
 
 /// Returns the scale of the last of the levels with these widths, of which height and width are multiples.

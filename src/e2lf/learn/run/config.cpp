@@ -102,7 +102,7 @@ Result<void> check_any_patterns(const Config& config, const std::string& locatio
 #endif
   constexpr InputKind kKinds[] = {InputKind::kCumulative, InputKind::kLevel, InputKind::kIntensity, InputKind::kCamera};
   if (!reads_moved && !std::ranges::equal(config.input, kKinds, {}, &model::InputGroup::kind)) {
-    return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera, or moved; list these",
+    return invalid("the inputs of plane-sweep are cumulative, level, intensity and camera; list these, or moved alone",
                    location + ".input");
   }
   if (config.patterns.codes.empty() || !config.patterns.black_first) {
@@ -193,7 +193,10 @@ model::Network make_network(const Config& config) {
   model::UnetOptions options = config.network;
   options.input_channels = model::num_input_channels(config.input, config.patterns.num_patterns);
 #if E2LF_LEARN_KERNELS
-  if (config.network.gives_disparity()) return depth_network_of_moved_pictures(config.network.widths);
+  if (config.network.gives_disparity()) {
+    return config.reads_moved_pictures() ? depth_network_of_moved_pictures(config.network.widths)
+                                         : depth_network(config.network.widths, options.input_channels);
+  }
 #endif
   return config.network.type == "recnet" ? model::recnet(options.input_channels) : model::unet(options);
 }

@@ -70,7 +70,7 @@ struct SensorConfig {
 /// The numbers of channels at both ends follow from the inputs and the views.
 struct NetworkConfig : model::UnetOptions {
   std::string type = "unet";  ///< "unet", "recnet", or for any patterns "plane-sweep" (disparity instead of views)
-  double share_of_full_scale = 0.65;  ///< of "plane-sweep" in its model file; see model::at_two_scales()
+  double share_of_full_scale = 0.65;  ///< of "plane-sweep" on events in its model file; see model::at_two_scales()
   std::string disparity =
       "e2lf-depth-first";  ///< the model that moves the pictures of the input "moved", which is not trained
 

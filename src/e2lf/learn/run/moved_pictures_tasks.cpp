@@ -177,7 +177,7 @@ class MovedViewsTask : public MovedPicturesTask {
   }
 };
 
-/// Improves the disparities that moved the pictures. Scores are wrong_disparities().
+/// Corrects the disparities that moved the pictures. Scores are wrong_disparities().
 class MovedDepthTask : public MovedPicturesTask {
  public:
   using MovedPicturesTask::MovedPicturesTask;

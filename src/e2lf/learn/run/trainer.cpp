@@ -314,7 +314,8 @@ Result<void> Trainer::run(const std::filesystem::path& folder, const ProgressFn&
   if (peers_.leads()) {
     E2LF_RETURN_IF_ERROR(write_file(folder / "config.json", json_text(to_json(config_))));
     const std::vector<std::string> scenes = task_->samples().trained_scenes();
-    if (!scenes.empty()) log_info(cat("the samples are parts of ", scenes.size(), " scenes: ", join(scenes)));
+    if (!scenes.empty())
+      log_info(cat("the samples that are not synthesised are parts of ", scenes.size(), " scenes: ", join(scenes)));
   }
   const RunLog log(folder, figures());
   const auto draw_curves = [&]() -> Result<void> {
