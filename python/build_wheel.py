@@ -27,8 +27,8 @@ DATA = {"models": [f"{name}.safetensors" for name in MODELS], "cameras": ["*.jso
 DESCRIPTION = """Light fields from the events of a camera behind a coded aperture.
 
 The wheel contains the models e2lf-n4 and e2lf-n4-depth, e2lf-n4-geometry, which is composed of both, and e2lf-depth for any
-patterns with e2lf-depth-first, so that it stays small. The others are in the folder models of the sources of e2lf: set E2LF_MODELS to this folder,
-or give their paths.
+patterns with e2lf-depth-first, so that it stays small. The others are in the folder models of the sources of e2lf: set
+E2LF_MODELS to this folder, or give their paths.
 """
 # Build trees that may hold the module already, the optimised ones first.
 REUSED = ["wheel", "release", "dev"]

@@ -23,7 +23,8 @@ struct Image {
 
 /// Streams columns [begin, end) of an image through a plan, from top to bottom. In each round, each stage computes a
 /// few more rows, one round ahead of the stages that read them, as far as its inputs allow. If the output has to wait,
-/// the stages before it wait, too, so that few rows are kept. Rows that are no longer needed are reused. Columns beside
+/// the stages before it wait, too, so that few rows are kept, except for those whose rows are much smaller than what
+/// they read. Rows that are no longer needed are reused. Columns beside
 /// the range are read up to the halo of the plan, so that cuts leave no trace.
 class Stream {
  public:

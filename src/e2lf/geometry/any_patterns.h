@@ -13,8 +13,8 @@ namespace e2lf::geometry {
 /// and its derivatives, which are linear in the pictures behind the patterns, and features of each picture, which all
 /// pictures make in the same way; both are built into its weights, and the offsets of plane-sweep are the centroids of
 /// the patterns. Networks that follow or read such a network (Model::open_guide) are composed with the adapted one; if
-/// views follow one for fixed patterns, only its offsets become those of these patterns, which must be similar. Of
-/// networks of disparity on moved pictures, whole cycles take the one that moves them. Fails with
+/// views follow one for fixed patterns, only its offsets become those of these patterns, which must be similar. For
+/// a whole cycle, the result for a network of disparity on moved pictures is the network that moves them. Fails with
 /// kInvalidValue if these views were trained for other patterns, with kUnsupported for other networks, with kShape if
 /// its weights do not fit together, and as describe_aperture() does.
 [[nodiscard]] Result<model::Model> for_patterns(const model::Model& model, const capture::Codes& codes);
@@ -29,7 +29,8 @@ namespace e2lf::geometry {
 [[nodiscard]] Result<model::MovedInput> moved_input(const capture::Codes& codes,
                                                     const std::vector<model::InputGroup>& input);
 
-/// Among the planes of InputKind::kMoved, disparity and logarithm of its scale, times kDepthScale.
+/// The number of the plane of InputKind::kMoved that holds the disparity; the next one holds the logarithm of its
+/// scale. Both are multiplied by kDepthScale.
 inline constexpr size_t kFirstDepthPlane = model::kMovedPlanes - kApertureConstants - model::kDepthOutputs;
 inline constexpr float kDepthScale = 0.3F;
 
