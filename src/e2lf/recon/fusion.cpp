@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include "e2lf/base/result.h"
 #include "e2lf/base/threads.h"
@@ -28,12 +29,13 @@ struct Window {
 };
 constexpr std::array<Window, 2> kWindows = {{{1, 5, 5}, {2, 4, 3.5}}};
 constexpr size_t kReach = kWindows.back().reach;  // of the largest window, in cells
-constexpr size_t kNear = 2;                       // cells
+constexpr size_t kSide = 2 * kReach + 1;
+constexpr size_t kNear = 2;      // cells
 constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
 /// Rows of cells that are compared and updated in turn, so that the counts and means are still in the cache.
 constexpr size_t kRowsInTurn = 8;
 /// The variance that noise makes follows the means, which change less and less: that of each cell is computed with the
-/// cycles 1, 2, 4, ... since its last change, and with one of this number.
+/// cycles 1, 2, 4, ... below this number since its last change, and with one of this number.
 constexpr size_t kNoisePeriod = 32;
 
 /// Returns what a chi-squared variable with `freedom` degrees of freedom, divided by them, exceeds as rarely as a
@@ -51,22 +53,24 @@ double freedom_of(size_t transitions, double of_each) {
 }
 
 /// Sets `sums` to the sum of each value and those up to `reach` beside it; values beside the row are those of its ends.
-void sum_row(const float* values, size_t count, size_t reach, std::vector<float>& padded, float* sums) {
+void sum_beside(const float* values, size_t count, size_t reach, std::vector<float>& padded, float* sums) {
   padded.resize(count + 2 * reach);
   std::fill_n(padded.begin(), reach, values[0]);
   std::copy_n(values, count, padded.begin() + static_cast<ptrdiff_t>(reach));
   std::fill_n(padded.end() - static_cast<ptrdiff_t>(reach), reach, values[count - 1]);
-  std::copy_n(padded.begin(), count, sums);
-  for (size_t step = 1; step <= 2 * reach; ++step) add_row(padded.data() + step, count, sums);
+  std::array<const float*, kSide> shifted{};
+  for (size_t step = 0; step <= 2 * reach; ++step) shifted[step] = padded.data() + step;
+  sum_rows(std::span(shifted).first(2 * reach + 1), count, sums);
 }
 
 /// Sets `sums` to those of the rows within `reach` of row y; rows beside the plane are those of its edge.
-void sum_rows(const std::vector<float>& plane, size_t height, size_t y, size_t reach, std::vector<float>& sums) {
-  std::ranges::fill(sums, 0.0F);
+void sum_around(const std::vector<float>& plane, size_t height, size_t y, size_t reach, std::vector<float>& sums) {
+  std::array<const float*, kSide> rows{};
   for (size_t step = 0; step <= 2 * reach; ++step) {
     const size_t from = std::min(std::max(y + step, reach) - reach, height - 1);
-    add_row(plane.data() + from * sums.size(), sums.size(), sums.data());
+    rows[step] = plane.data() + from * sums.size();
   }
+  sum_rows(std::span(rows).first(2 * reach + 1), sums.size(), sums.data());
 }
 
 void add_mask(const uint8_t* __restrict mask, size_t count, uint8_t* __restrict to) {
@@ -252,7 +256,7 @@ void CycleFusion::compare_row(const PlanesView<const int16_t>& cycle, size_t cel
   std::vector<float> padded;
   for (size_t i = 0; i < kWindows.size(); ++i) {
     const auto sum = [&](const std::vector<float>& values, std::vector<float>& to) {
-      sum_row(values.data(), cells_x_, kWindows[i].reach, padded, to.data() + cell_y * cells_x_);
+      sum_beside(values.data(), cells_x_, kWindows[i].reach, padded, to.data() + cell_y * cells_x_);
     };
     sum(of_blocks, evidence_[i].blocks);
     sum(of_cells, evidence_[i].cells);
@@ -265,8 +269,8 @@ std::vector<float> CycleFusion::expected_noise(size_t cell_y) {
   const size_t begin = cell_y * cells_x_;
   for (size_t x = 0; x < cells_x_; ++x) {
     const unsigned added = added_[begin + x];
-    const bool is_power_of_two = (added & (added - 1)) == 0;
-    if (is_power_of_two || (cycle_ + x) % kNoisePeriod == 0) noise_of_cycle_[begin + x] = noise_of_cell(cell_y, x);
+    const bool is_due = added < kNoisePeriod && (added & (added - 1)) == 0;
+    if (is_due || (cycle_ + x) % kNoisePeriod == 0) noise_of_cycle_[begin + x] = noise_of_cell(cell_y, x);
   }
   std::vector<float> expected(cells_x_);
   constexpr auto kSquaredUnits = static_cast<float>(kUnits * kUnits);
@@ -304,9 +308,9 @@ void CycleFusion::find_changes(size_t cell_y) {
   std::vector<float> blocks(cells_x_), cells(cells_x_), expected(cells_x_);
   for (size_t i = 0; i < kWindows.size(); ++i) {
     const WindowEvidence& evidence = evidence_[i];
-    sum_rows(evidence.blocks, cells_y_, cell_y, kWindows[i].reach, blocks);
-    sum_rows(evidence.cells, cells_y_, cell_y, kWindows[i].reach, cells);
-    sum_rows(evidence.expected, cells_y_, cell_y, kWindows[i].reach, expected);
+    sum_around(evidence.blocks, cells_y_, cell_y, kWindows[i].reach, blocks);
+    sum_around(evidence.cells, cells_y_, cell_y, kWindows[i].reach, cells);
+    sum_around(evidence.expected, cells_y_, cell_y, kWindows[i].reach, expected);
     exceed(blocks.data(), cells.data(), expected.data(), evidence.limits, is_near, cells_x_, is_found);
   }
 }

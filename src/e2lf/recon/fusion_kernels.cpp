@@ -76,8 +76,18 @@ void AddSquares(const int32_t* HWY_RESTRICT residuals, size_t cells, float* HWY_
   }
 }
 
-void AddRow(const float* HWY_RESTRICT values, size_t count, float* HWY_RESTRICT sums) {
-  for (size_t x = 0; x < count; ++x) sums[x] += values[x];
+void SumRows(std::span<const float* const> rows, size_t count, float* HWY_RESTRICT sums) {
+  const hn::ScalableTag<float> d;
+  size_t x = 0;
+  for (; x + hn::Lanes(d) <= count; x += hn::Lanes(d)) {
+    auto sum = hn::LoadU(d, rows[0] + x);
+    for (size_t i = 1; i < rows.size(); ++i) sum = hn::Add(sum, hn::LoadU(d, rows[i] + x));
+    hn::StoreU(sum, d, sums + x);
+  }
+  for (; x < count; ++x) {
+    sums[x] = rows[0][x];
+    for (size_t i = 1; i < rows.size(); ++i) sums[x] += rows[i][x];
+  }
 }
 
 }  // namespace e2lf::recon::HWY_NAMESPACE
@@ -89,7 +99,7 @@ namespace e2lf::recon {
 HWY_EXPORT(BlockResiduals);
 HWY_EXPORT(AddToMeans);
 HWY_EXPORT(AddSquares);
-HWY_EXPORT(AddRow);
+HWY_EXPORT(SumRows);
 
 void block_residuals(const TwoRows& counts, const TwoRows& means, size_t width, int32_t* sums) {
   HWY_DYNAMIC_DISPATCH(BlockResiduals)(counts, means, width, sums);
@@ -103,8 +113,8 @@ void add_squares(const int32_t* residuals, size_t cells, float* of_blocks, float
   HWY_DYNAMIC_DISPATCH(AddSquares)(residuals, cells, of_blocks, sums);
 }
 
-void add_row(const float* values, size_t count, float* sums) {
-  HWY_DYNAMIC_DISPATCH(AddRow)(values, count, sums);
+void sum_rows(std::span<const float* const> rows, size_t count, float* sums) {
+  HWY_DYNAMIC_DISPATCH(SumRows)(rows, count, sums);
 }
 
 }  // namespace e2lf::recon

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "e2lf/capture/measurement/measurement.h"
 
@@ -40,7 +41,7 @@ void add_to_means(const int16_t* counts, const int16_t* weights, size_t width, i
 /// and the residuals to sums[x].
 void add_squares(const int32_t* residuals, size_t cells, float* of_blocks, float* sums);
 
-/// Adds values to sums.
-void add_row(const float* values, size_t count, float* sums);
+/// Sets sums[x], x < count, to the sum of rows[i][x] over at least one row.
+void sum_rows(std::span<const float* const> rows, size_t count, float* sums);
 
 }  // namespace e2lf::recon

@@ -188,20 +188,20 @@ TEST(FusionKernels, AddTheSameOnEveryInstructionSet) {
     // Sums of squares below 2^24 are exact, however they are rounded on the way.
     std::vector<int32_t> residuals(2 * cells);
     for (int32_t& residual : residuals) residual = static_cast<int32_t>(random() % 2001) - 1000;
-    std::vector<float> expected_squares(cells, 5), expected_sums(cells, -3), expected_rows(cells, -3);
+    std::vector<float> expected_squares(cells, 5), expected_sums(cells, -3), expected_rows(cells);
     for (size_t x = 0; x < cells; ++x) {
       const int32_t left = residuals[2 * x], right = residuals[2 * x + 1];
       expected_squares[x] += static_cast<float>(left * left + right * right);
       expected_sums[x] += static_cast<float>(left + right);
-      expected_rows[x] += expected_squares[x];
+      expected_rows[x] = expected_squares[x] + 2 * expected_sums[x];
     }
     for (const std::string& isa : available_isas()) {
       ASSERT_TRUE(set_max_isa(isa));
-      std::vector<float> squares(cells, 5), sums(cells, -3), rows(cells, -3);
+      std::vector<float> squares(cells, 5), sums(cells, -3), rows(cells, 9);
       add_squares(residuals.data(), cells, squares.data(), sums.data());
       EXPECT_EQ(squares, expected_squares) << isa << ", " << cells;
       EXPECT_EQ(sums, expected_sums) << isa << ", " << cells;
-      add_row(squares.data(), cells, rows.data());
+      sum_rows(std::array<const float*, 3>{squares.data(), sums.data(), sums.data()}, cells, rows.data());
       EXPECT_EQ(rows, expected_rows) << isa << ", " << cells;
     }
     ASSERT_TRUE(set_max_isa(""));
