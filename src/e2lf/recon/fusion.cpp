@@ -29,8 +29,8 @@ struct Window {
 };
 constexpr std::array<Window, 2> kWindows = {{{1, 5, 5}, {2, 4, 3.5}}};
 constexpr size_t kReach = kWindows.back().reach;  // of the largest window, in cells
-constexpr size_t kSide = 2 * kReach + 1;
-constexpr size_t kNear = 2;      // cells
+constexpr size_t kMostRows = 2 * kReach + 1;      // that are summed
+constexpr size_t kNear = 2;                       // cells
 constexpr size_t kDilation = 1;  // cells around a changed one that start again, which its windows reach
 /// Rows of cells that are compared and updated in turn, so that the counts and means are still in the cache.
 constexpr size_t kRowsInTurn = 8;
@@ -58,14 +58,14 @@ void sum_beside(const float* values, size_t count, size_t reach, std::vector<flo
   std::fill_n(padded.begin(), reach, values[0]);
   std::copy_n(values, count, padded.begin() + static_cast<ptrdiff_t>(reach));
   std::fill_n(padded.end() - static_cast<ptrdiff_t>(reach), reach, values[count - 1]);
-  std::array<const float*, kSide> shifted{};
+  std::array<const float*, kMostRows> shifted{};
   for (size_t step = 0; step <= 2 * reach; ++step) shifted[step] = padded.data() + step;
   sum_rows(std::span(shifted).first(2 * reach + 1), count, sums);
 }
 
 /// Sets `sums` to those of the rows within `reach` of row y; rows beside the plane are those of its edge.
 void sum_around(const std::vector<float>& plane, size_t height, size_t y, size_t reach, std::vector<float>& sums) {
-  std::array<const float*, kSide> rows{};
+  std::array<const float*, kMostRows> rows{};
   for (size_t step = 0; step <= 2 * reach; ++step) {
     const size_t from = std::min(std::max(y + step, reach) - reach, height - 1);
     rows[step] = plane.data() + from * sums.size();
