@@ -40,6 +40,11 @@ crossing demo/scene -m e2lf-n4 --camera evk4-lcos --stream --rise-us 1000 --leak
 crossing demo/scene -m e2lf-n4 --stream --rise-us 2000 --
 crossing demo/scene -m e2lf-n4 --stream --schedule slow.json -- --schedule slow.json
 crossing --turntable 1.75 --width 96 --height 64 -m e2lf-n4 --camera evk4-lcos --
+# A recording for the lit transitions has those of the whole cycle as well, and ends with the lit patterns.
+"$E2LF" simulate demo/scene -m e2lf-n4 --cycles 3 --seed 5 -o lit.raw --quiet
+"$E2LF" accumulate lit.raw --transitions all -o lit_all.npz --quiet
+"$E2LF" simulate demo/scene -m e2lf-n4-cycle --cycles 3 --seed 5 -o all.npz --quiet
+py -c 'import numpy as n; a, b = (n.load(f)["events"] for f in ("lit_all.npz", "all.npz")); assert len(a) == 2 and (a == b[:2]).all(), (a.shape, b.shape)'
 # The next step that simulate prints works, for what needs options of its own, too.
 "$E2LF" simulate demo/scene --codes n4.json --stream --schedule slow.json --no-triggers --cycles 2 -o slow.raw >out.txt
 step=$(grep -o "accumulate .*" out.txt)

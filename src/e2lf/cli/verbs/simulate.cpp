@@ -160,6 +160,15 @@ struct SimulatedCycle {
 };
 using NextCycle = std::function<Result<SimulatedCycle>(uint64_t cycle)>;
 
+/// Ends the events before the last `patterns` patterns of a cycle.
+void leave_out_last(size_t patterns, cycles::SynthesisedCycle& cycle) {
+  if (patterns == 0) return;
+  const int64_t end_us = cycle.starts_us[cycle.starts_us.size() - patterns];
+  recordings::EventColumns& events = cycle.batch.events;
+  events.resize(static_cast<size_t>(std::ranges::lower_bound(events.t, end_us) - events.t.begin()));
+  std::erase_if(cycle.batch.triggers, [end_us](const auto& trigger) { return trigger.t >= end_us; });
+}
+
 /// Simulates the counts of each pattern; in a recording, the events are distributed over its duration.
 Result<NextCycle> counted_cycles(const SimulateArguments& arguments, const Setup& setup, const StreamScene& scene,
                                  uint64_t seed) {
@@ -172,14 +181,29 @@ Result<NextCycle> counted_cycles(const SimulateArguments& arguments, const Setup
                                    .seed = seed};
   camera.profile.constants = setup.known.constants;
   if (!setup.is_pixel()) camera.profile.event_model = setup.known.event_model;
-  cycles::SynthesisOptions synthesis;
-  if (!setup.as_images) synthesis.schedule = cycles::paper_schedule_of(camera.codes);
+  if (setup.as_images) {
+    return NextCycle([=, field = std::move(field)](uint64_t cycle) -> Result<SimulatedCycle> {
+      SimulatedCycle simulated;
+      E2LF_ASSIGN_OR_RETURN(simulated.measured, pipeline::simulate_cycle(camera, field, cycle));
+      return simulated;
+    });
+  }
+  // The display shows the whole cycle, whichever transitions the network takes, and ends with the lit patterns if it
+  // takes those.
+  const size_t transitions = camera.codes.num_patterns - 1;
+  if (!capture::codes_of_whole_cycle(camera.codes)) camera.codes = capture::whole_cycle(camera.codes);
+  cycles::SynthesisOptions synthesis{.schedule = cycles::paper_schedule_of(camera.codes)};
   if (arguments.no_triggers) synthesis.trigger_channel.reset();
   return NextCycle(
-      [=, field = std::move(field), as_images = setup.as_images](uint64_t cycle) -> Result<SimulatedCycle> {
+      [=, field = std::move(field), num_cycles = arguments.cycles](uint64_t cycle) -> Result<SimulatedCycle> {
         SimulatedCycle simulated;
         E2LF_ASSIGN_OR_RETURN(simulated.measured, pipeline::simulate_cycle(camera, field, cycle));
-        if (!as_images) simulated.batch = cycles::synthesise_cycle(simulated.measured.events, cycle, synthesis).batch;
+        capture::EventImages& events = simulated.measured.events;
+        cycles::SynthesisedCycle synthesised = cycles::synthesise_cycle(events, cycle, synthesis);
+        if (cycle + 1 == num_cycles) leave_out_last(events.count - transitions, synthesised);
+        simulated.batch = std::move(synthesised.batch);
+        events.count = transitions;
+        events.values.resize(transitions * events.image_size());
         return simulated;
       });
 }
