@@ -18,6 +18,7 @@
 #include "e2lf/compare/view_scan.h"
 #include "e2lf/cycles/schedule.h"
 #include "e2lf/depth/disparity_error.h"
+#include "e2lf/diagnose/finding.h"
 #include "e2lf/eval/metrics.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/options.h"
@@ -246,6 +247,10 @@ Result<const pipeline::OpenedMethod*> JobRunner::method_of(const Job& job) {
     E2LF_ASSIGN_OR_RETURN(choice.model, pipeline::read_network(method.model));
   }
   E2LF_ASSIGN_OR_RETURN(pipeline::OpenedMethod opened, pipeline::open_method(std::move(choice)));
+  const bool is_first =
+      std::ranges::none_of(methods_, [&](const auto& known) { return known.first.first == job.method; });
+  const auto foreign = std::ranges::find(opened.findings, "patterns-foreign", &diagnose::Finding::code);
+  if (is_first && foreign != opened.findings.end()) diagnose::log_findings(method.config.name, {*foreign});
   return &methods_.emplace(key, std::move(opened)).first->second;
 }
 

@@ -93,6 +93,19 @@ class Planner {
     return hash;
   }
 
+  /// Returns the hash of a model; of a composed one, with those of its parts.
+  Result<Json> hash_of_model(const fs::path& path, const std::vector<fs::path>& parts) {
+    E2LF_ASSIGN_OR_RETURN(const std::string own, hash_of(path));
+    if (parts.empty()) return Json(own);
+    Json hashes = Json::array({own});
+    for (const fs::path& part : parts) {
+      plan_.files.push_back(part);
+      E2LF_ASSIGN_OR_RETURN(const std::string hash, hash_of(part));
+      hashes.push_back(hash);
+    }
+    return hashes;
+  }
+
   Result<capture::SensorProfile> read_camera(const std::string& name) {
     E2LF_ASSIGN_OR_RETURN(const fs::path path, environment_.locate_camera(name));
     plan_.files.push_back(path);
@@ -131,7 +144,7 @@ class Planner {
     } else if (!config.model.empty()) {
       E2LF_ASSIGN_OR_RETURN(method.model, locate(config.model));
       E2LF_ASSIGN_OR_RETURN(model::Model model, pipeline::read_network(method.model));
-      E2LF_ASSIGN_OR_RETURN(model_hash, hash_of(method.model));
+      E2LF_ASSIGN_OR_RETURN(model_hash, hash_of_model(method.model, model.parts));
       codes = std::move(model.codes);
       is_conditioned = model::is_conditioned_on_camera(model);
       method.measurement = model.measurement();

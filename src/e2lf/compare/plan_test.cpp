@@ -7,6 +7,7 @@
 #include <set>
 
 #include "e2lf/compare/jobs.h"
+#include "e2lf/files/bundled_files.h"
 #include "e2lf/files/file.h"
 #include "e2lf/files/safetensors.h"
 #include "e2lf/video/import_event_video.h"
@@ -62,6 +63,26 @@ class PlanTest : public testing::Test {
   std::string salt_;
   Environment environment_;
 };
+
+TEST_F(PlanTest, DependsOnTheModelsOfWhichAModelIsComposed) {
+  ComparisonConfig any = config();
+  any.methods[0].algorithm = "network";
+  any.methods[0].model = "e2lf-any";
+  any.methods[0].codes = "e2lf-n4";
+  environment_.locate = [this](const std::string& name) -> Result<fs::path> {
+    return bundled_file_named(kBundledModels, name).value_or(folder_ / name);
+  };
+  std::string changed;
+  environment_.hash = [&](const fs::path& path) -> Result<std::string> {
+    return path.stem().string() + (path.stem() == changed ? " (changed)" : "");
+  };
+  const std::set<std::string> keys = keys_of(any);
+  EXPECT_EQ(keys_of(any), keys);
+  changed = "e2lf-depth-first";
+  EXPECT_NE(keys_of(any), keys);
+  EXPECT_THAT(make_plan(any, environment_).value().files,
+              testing::Contains(*bundled_file_named(kBundledModels, "e2lf-depth-first")));
+}
 
 TEST_F(PlanTest, ListsEveryJobOnceSceneByScene) {
   ComparisonConfig two = config();

@@ -54,6 +54,10 @@ assert abs(row["psnr_db"] - other["psnr_db"]) < 1e-4 and abs(row["ssim"] - other
 assert row["events_per_pixel"] == other["events"]["total_events_per_pixel"]
 PY
 fails 1 "method" "$E2LF" reconstruct events.npz --method inversion --passes 2 -o no
+# A network for other patterns is named once.
+echo '{"methods": [{"name": "n", "model": "e2lf-n4", "codes": "other.npy"}], "scenes": [{"name": "g", "scenes": ["demo/scene"]}], "seeds": [5, 6]}' >n.json
+"$E2LF" compare n.json -o n --quiet 2>err.txt
+[ "$(grep -c patterns-foreign err.txt)" -eq 1 ] || fail "$(cat err.txt)"
 
 # LaTeX: what is opened is closed, every row has as many cells, names are escaped.
 py - <<'PY'
