@@ -337,6 +337,18 @@ Result<bool> is_video_model(const std::filesystem::path& path) {
   return json.is_object() && json.value("measurement", Json()) == kVoxelGrid;
 }
 
+namespace {
+
+/// Returns how a file states the network of disparity that it names.
+Json parts_to_json(const Guide& guide) {
+  Json parts = {{"disparity", guide.disparity}};
+  if (guide.weak_texture != Guide().weak_texture) parts["weak_texture"] = json_number(guide.weak_texture);
+  if (guide.share_of_full_scale) parts["share_of_full_scale"] = json_number(*guide.share_of_full_scale);
+  return parts;
+}
+
+}  // namespace
+
 Result<void> write_model(const std::filesystem::path& path, const Model& model, WeightStorage storage) {
   // The network of disparity stays in its own file.
   const bool has_part = reads_moved_pictures(model) && model.open_guide;
@@ -356,7 +368,7 @@ Result<void> write_model(const std::filesystem::path& path, const Model& model, 
   for (const WeightShape& tensor : shapes) store(tensor.name, tensor.shape, model.weights.at(tensor.name));
   for (const auto& [name, weights] : model.any_patterns) store(cat(kAnyPatterns, name), weights.shape, weights.values);
   Json header = header_to_json(model);
-  if (has_part) header[kComposedOf] = {{"disparity", model.open_guide->guide.disparity}};
+  if (has_part) header[kComposedOf] = parts_to_json(model.open_guide->guide);
   if (Json shared = take_shared_weights(tensors, shapes); !shared.empty()) header[kSharedWeights] = std::move(shared);
   tensors.metadata[kMetadataKey] = json_line(header);
   if (model.codes) {

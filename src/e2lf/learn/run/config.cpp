@@ -42,7 +42,8 @@ void visit_fields(AnyConfig& config, Visitor& visit) {
     inner("scale", group.scale);
   });
   visit.section("network", [&network = config.network](auto& inner) {
-    E2LF_VISIT(network, inner, type, widths, blocks, head_width, head_blocks, share_of_full_scale, disparity);
+    E2LF_VISIT(network, inner, type, widths, blocks, head_width, head_blocks, share_of_full_scale, disparity,
+               weak_texture);
   });
   visit.section("train", [&train = config.train](auto& inner) {
     E2LF_VISIT(train, inner, patch, batch, steps, optimiser, adam_decay, centred, learning_rate, warmup_steps,

@@ -72,7 +72,8 @@ struct NetworkConfig : model::UnetOptions {
   std::string type = "unet";  ///< "unet", "recnet", or for any patterns "plane-sweep" (disparity instead of views)
   double share_of_full_scale = 0.65;  ///< of "plane-sweep" on events in its model file; see model::at_two_scales()
   std::string disparity =
-      "e2lf-depth-first";  ///< the model that moves the pictures of the input "moved", which is not trained
+      "e2lf-depth-first";      ///< the model that moves the pictures of the input "moved", which is not trained
+  double weak_texture = 0.01;  ///< of views of moved pictures in their model file; see model::Guide::weak_texture
 
   [[nodiscard]] bool gives_disparity() const { return type == "plane-sweep"; }
 };

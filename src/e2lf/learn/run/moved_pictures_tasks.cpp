@@ -62,6 +62,7 @@ class MovedPicturesTask : public AnyPatternsTask {
     model.weights = to_weights(weights);
     model::OpenGuide guide;
     guide.guide.disparity = disparity_.name;
+    guide.guide.weak_texture = static_cast<float>(config_.network.weak_texture);
     model.open_guide = std::make_shared<const model::OpenGuide>(std::move(guide));
     return model;
   }

@@ -24,6 +24,7 @@ Config small_config() {
   Config config;
   config.name = "views";
   config.network = {{.widths = {8, 12}, .blocks = {1, 1}, .head_width = 4}};
+  config.network.weak_texture = 0.02;
   config.input = {{model::InputKind::kMoved, 1.0F}};
   config.patterns.codes = "e2lf-n4";
   config.patterns.known = {"e2lf-n4", "e2lf-n8"};
@@ -162,6 +163,7 @@ TEST_F(MovedViewsRun, ResumesBitExactlyAndStoresAModelThatNamesItsDisparity) {
     EXPECT_TRUE(model::reads_moved_pictures(*read));
     EXPECT_EQ(model::is_depth_network(*read), config.network.gives_disparity());
     EXPECT_EQ(read->weights, model->weights);
+    EXPECT_EQ(read->open_guide->guide.weak_texture, 0.02F);
     EXPECT_EQ(read->parts, std::vector{*bundled_file_named(kBundledModels, "e2lf-depth-first")});
     EXPECT_TRUE(geometry::for_patterns(*read, *bundled("e2lf-n4").codes));
   }
