@@ -83,6 +83,7 @@ cmp two/cycle_00001/disparity.npy from_events/disparity.npy
 [ "$(json turned/run.json "j['notes']['maps'][0]['view']")" = "[3, 3]" ] || fail "the view of turned views"
 fails 1 '-: this is a zip archive' "$E2LF" depth - -m depth.safetensors -o x.npy < <(cat events.npz)
 grep -q 'give event images as a file' stderr.txt || fail "$(cat stderr.txt)"
+fails 1 'name a folder' "$E2LF" depth two.npz -m depth.safetensors -o x.npy --fuse 4
 fails 1 'flipped' "$E2LF" depth events.npz -m depth.safetensors -o x.npy --flip-x
 fails 1 'no disparities' "$E2LF" depth events.npz -m layers.safetensors -o x.npy
 fails 1 'disparities' "$E2LF" reconstruct events.npz -m depth.safetensors -o x

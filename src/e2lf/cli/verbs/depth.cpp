@@ -235,6 +235,11 @@ Result<void> from_events(DepthArguments& arguments, const Verb& verb) {
   E2LF_RETURN_IF_ERROR(verb.refuse_options({kLightFieldOptions, "--min-disparity", "--view-row"}, "events"));
   // Before there is an output, because the program that continues would find it unfinished.
   E2LF_RETURN_IF_ERROR(require_device(arguments.method.choice.device));
+  if (arguments.method.choice.use.fused_cycles > 1 && is_disparity_file(arguments.output.output)) {
+    return fail(ErrorCode::kInvalidValue, "--fuse",
+                "there is a map of each cycle, and a file holds the first one, which is not fused; name a folder as "
+                "the output, or give --cycles-per-map for a still scene");
+  }
   const fs::path& path = arguments.output.input;
   RunRecord record(verb);
   arguments.method.choice.algorithm = pipeline::Algorithm::kDepth;
