@@ -32,6 +32,12 @@ PY
 py totals.py
 cmp last.npy six/cycle_00005/lightfield.npy || fail "the last light field is not that of reconstruct"
 
+# What makes the disparities doubtful is said, too.
+other_codes other.npy
+"$E2LF" simulate demo/scene --codes other.npy --cycles 2 -o other.raw --quiet
+"$E2LF" live replay:other.raw -m "$model" --depth-model e2lf-n4-depth --no-page >out.txt 2>err.txt
+grep -q "than e2lf-n4-depth was trained for" err.txt || fail "$(cat err.txt)"
+
 # The recording is what was sent, byte for byte; a second one does not replace it.
 cmp out/recording_000.raw six.raw || fail "the recording is not the input"
 "$E2LF" live replay:six.raw -m "$model" --no-page --record -o out --invert-polarity --max-cycles 2 --quiet >quiet.txt 2>/dev/null

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // e2lf live: shows the light fields of a live source in a browser, at the rate of its pattern cycles
+#include <algorithm>
 #include <cstdio>
 
 #include "e2lf/base/log.h"
@@ -64,10 +65,20 @@ live::FineMethod fine_method(recon::Reconstructor network, const capture::Orient
   };
 }
 
+/// Returns what makes the result of another network doubtful and is not known from the first one.
+diagnose::Findings further_doubts(const diagnose::Findings& known, const diagnose::Findings& of_other) {
+  diagnose::Findings further;
+  for (const diagnose::Finding& finding : of_other) {
+    const bool is_known = std::ranges::find(known, finding.message, &diagnose::Finding::message) != known.end();
+    if (!is_known && diagnose::has_doubt({finding})) further.push_back(finding);
+  }
+  return further;
+}
+
 /// Opens the network of disparities: the one that is named, or else the bundled one for the patterns, if there is one.
-Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& arguments, pipeline::MethodChoice choice,
-                                                       const std::optional<pipeline::KnownCodes>& codes,
-                                                       RunRecord& record) {
+Result<std::optional<pipeline::OpenedMethod>> open_depth(const LiveArguments& arguments, pipeline::MethodChoice choice,
+                                                         const std::optional<pipeline::KnownCodes>& codes,
+                                                         RunRecord& record) {
   choice.algorithm = pipeline::Algorithm::kDepth;
   choice.model.reset();
   if (codes) choice.codes = codes->codes;
@@ -77,9 +88,9 @@ Result<std::optional<recon::Reconstructor>> open_depth(const LiveArguments& argu
     record.add_input(arguments.depth_model);
   }
   auto method = pipeline::naming(arguments.source, pipeline::open_method(std::move(choice)));
-  if (!method && !is_named) return std::optional<recon::Reconstructor>();
+  if (!method && !is_named) return std::optional<pipeline::OpenedMethod>();
   if (!method) return method.error();
-  return std::optional<recon::Reconstructor>(*method->network);
+  return std::optional(*std::move(method));
 }
 
 /// Lets the reader fuse cycles, or says why it does not.
@@ -135,7 +146,11 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   choice.use = {};
   record_method(method, record);
   setup.reader->add_findings(method.findings);
-  E2LF_ASSIGN_OR_RETURN(setup.options.depth, open_depth(arguments, choice, method.codes, record));
+  E2LF_ASSIGN_OR_RETURN(const auto depth, open_depth(arguments, choice, method.codes, record));
+  if (depth) {
+    setup.options.depth = *depth->network;
+    setup.reader->add_findings(further_doubts(method.findings, depth->findings));
+  }
   pipeline::OpenedMethod best = method;
   choice.prefers_fast = false;
   if (!arguments.fine_model.empty()) {
@@ -144,6 +159,7 @@ Result<LiveSetup> make_live_setup(const LiveArguments& arguments, const fs::path
   }
   if (!arguments.fine_model.empty() || method.bundled) {
     E2LF_ASSIGN_OR_RETURN(best, pipeline::naming(arguments.source, pipeline::open_method(std::move(choice))));
+    setup.reader->add_findings(further_doubts(method.findings, best.findings));
   }
   E2LF_ASSIGN_OR_RETURN(const pipeline::Tone tone, tone_of(arguments.method));
   setup.options.tone = method.complete(tone);
@@ -213,7 +229,7 @@ void print_totals(const Json& totals, const CommonOptions& common) {
 }
 
 Result<void> write_last(live::Session& session, OutputFile& output, const RunRecord& record) {
-  // What ended the session, such as its duration, would also end the network.
+  // What ended the session would also end the network.
   const int ended_by = stop_signal();
   request_stop(0);
   const auto last = session.freeze();
@@ -251,6 +267,7 @@ Result<void> run_session(const LiveArguments& arguments, LiveSetup setup, const 
   }
   if (arguments.records) E2LF_RETURN_IF_ERROR(session.reader().recorder().begin());
   session.start();
+  std::optional<Deadline> deadline(arguments.seconds);
   const Result<void> ended = session.wait();
   if (page && !stop_requested()) {
     hide_progress();
@@ -258,6 +275,7 @@ Result<void> run_session(const LiveArguments& arguments, LiveSetup setup, const 
                  page->url.c_str());
   }
   if (page) E2LF_RETURN_IF_ERROR(page->finish());
+  deadline.reset();  // it would end the last light field, too
   const cycles::CycleReader& cycles = session.reader().cycles();
   warn_of_losses(arguments.source, cycles.summary());
   verb.set_failed_input(cycles.summary().live.failure);
@@ -299,7 +317,6 @@ Result<void> go_live(const LiveArguments& arguments, const Verb& verb) {
   if (!setup) {
     ran = setup.error();
   } else {
-    const Deadline deadline(arguments.seconds);
     ran = run_session(arguments, std::move(*setup), verb, record, last ? &*last : nullptr);
   }
   if (arguments.output.empty()) return ran;
