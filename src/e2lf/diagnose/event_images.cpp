@@ -19,6 +19,8 @@ constexpr size_t kNoiseRadius = 1, kDetailRadius = 8;              // px
 constexpr float kLargestDisparity = 2.5F, kDisparityStep = 0.25F;  // px per view step
 
 constexpr size_t kMostSideOfParallax = 512;  // px
+/// Of more patterns, two are hardly ever exchanged by mistake, and the time grows with the cube of their number.
+constexpr size_t kMostExchanged = 8;
 // docs/experiments/findings.md states how often these thresholds are wrong.
 constexpr double kMismatchRatio = 0.97;  // below it, other places are right
 constexpr double kConfirmed = 1.003;     // above it, the stated ones are
@@ -134,7 +136,7 @@ struct Candidate {
 
 std::vector<Candidate> candidates_for(const std::vector<PatternPlace>& stated) {
   std::vector<Candidate> candidates = {{{}, stated}};
-  for (size_t n = 0; n < stated.size(); ++n) {
+  for (size_t n = 0; n < stated.size() && stated.size() <= kMostExchanged; ++n) {
     for (size_t other = n + 1; other < stated.size(); ++other) {
       std::vector<PatternPlace> places = stated;
       std::swap(places[n], places[other]);

@@ -44,6 +44,16 @@ TEST(ComparePlaces, NamesExchangedAndTurnedPatterns) {
   EXPECT_EQ(best_for(shown), "with mirrored patterns");
 }
 
+TEST(ComparePlaces, ExchangesPatternsOnlyIfTheyAreFew) {
+  constexpr size_t kOrientations = std::size(kOtherOrientations);
+  for (const auto& [lit, exchanges] : {std::pair(8, 28), std::pair(9, 0)}) {
+    capture::Codes codes(static_cast<size_t>(lit) + 1, 8, 8);
+    for (size_t n = 1; n < codes.num_patterns; ++n) codes.pattern(n)[7 * n % 64] = 1;
+    const capture::EventImages events(static_cast<size_t>(lit), 20, 20);
+    EXPECT_EQ(compare_places(events, codes, 1).size(), static_cast<size_t>(exchanges) + kOrientations) << lit;
+  }
+}
+
 TEST(ComparePlaces, StatesThatAFlatSceneTellsNothing) {
   lightfield::LightField wall(lightfield::Shape{8, 8, 60, 80, 1});
   std::ranges::fill(wall.data(), 0.4F);
