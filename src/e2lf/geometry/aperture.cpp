@@ -171,7 +171,8 @@ Result<Aperture> describe_aperture(const capture::Codes& codes) {
   }
   if (!has_parallax(aperture.pictures)) {
     return fail(ErrorCode::kInvalidValue, "",
-                "the patterns have the same centroid, so that their pictures show no parallax; use others")
+                "there is no parallax, because all lit patterns have the same centroid; show at least two with "
+                "different ones")
         .about("codes");
   }
   double total = 0;

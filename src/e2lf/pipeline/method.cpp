@@ -37,6 +37,32 @@ Result<std::optional<BundledModel>> network_for(ModelNeeds needs, const std::opt
   return choose_bundled_model(needs);
 }
 
+/// Says which property of the patterns no bundled network admits.
+Error no_network_error(const capture::Codes& codes, Algorithm algorithm) {
+  if (!capture::is_black_first(codes)) {
+    return {ErrorCode::kNotFound,
+            "no bundled network is for patterns that do not begin with black; show black first, or give a network "
+            "that was trained for these patterns",
+            "", "codes"};
+  }
+  if (algorithm == Algorithm::kNetwork && capture::codes_of_whole_cycle(codes)) {
+    return {ErrorCode::kNotFound,
+            "no bundled network of views is for the whole cycle of these patterns; use the lit transitions alone, or "
+            "the inversion",
+            "", "transitions"};
+  }
+  const char* const remedy = algorithm == Algorithm::kNetwork ? ", or use the inversion" : "";
+  constexpr size_t kViews = 8;
+  if (codes.views_y > kViews || codes.views_x > kViews) {
+    return {ErrorCode::kNotFound,
+            cat("no bundled network is for patterns of ", codes.views_y, "x", codes.views_x,
+                " cells; show patterns of at most 8x8", remedy),
+            "", "codes"};
+  }
+  return {ErrorCode::kNotFound, cat("no bundled network was trained for these patterns; give one that was", remedy),
+          ""};
+}
+
 /// Selects the bundled network that was trained for the patterns, if none is given.
 Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, std::optional<fs::path>& path) {
   if (choice.model) return {};
@@ -58,10 +84,7 @@ Result<void> choose_network(MethodChoice& choice, const OpenedMethod& opened, st
                 "the models of e2lf were not found; name their folder in the environment variable E2LF_MODELS, or give "
                 "a model");
   }
-  if (!network) {
-    return fail(ErrorCode::kNotFound, "",
-                "no bundled network was trained for these patterns; give one that was, or use the inversion");
-  }
+  if (!network) return no_network_error(known->codes, choice.algorithm);
   path = std::move(network->path);
   choice.model = std::move(network->model);
   return {};
@@ -91,6 +114,9 @@ Result<void> open_lit(const engine::EngineOptions& options, OpenedMethod& opened
       std::optional<BundledModel> network,
       network_for({.codes = *shown, .may_be_guided = follows_geometry(opened.network->model())}, opened.camera));
   if (!network) return {};
+  if (network->model.codes != shown) {
+    E2LF_ASSIGN_OR_RETURN(network->model, geometry::for_patterns(network->model, *shown));
+  }
   if (model::is_conditioned_on_camera(network->model) && opened.camera) network->model.camera = opened.camera;
   E2LF_ASSIGN_OR_RETURN(recon::Reconstructor lit, recon::Reconstructor::create(std::move(network->model), options));
   opened.lit = std::make_shared<const recon::Reconstructor>(std::move(lit));
@@ -205,7 +231,8 @@ std::optional<Finding> patterns_finding(const OpenedMethod& method) {
     return Finding{"patterns-foreign", Severity::kWarning,
                    cat("the events were made with other patterns than ", model.name,
                        " was trained for, so that the result will be wrong"),
-                   "use a model for these patterns, or the inversion"};
+                   method.gives_disparities() ? "use a network for these patterns"
+                                              : "use a network for these patterns, or the inversion"};
   }
   return Finding{
       "patterns-unstated", Severity::kWarning,
@@ -289,6 +316,10 @@ Result<OpenedMethod> open_method(MethodChoice choice) {
                 "; give a network that was trained for it");
   }
   choice.codes = reduced(choice.codes, choice.schedule);
+  // The patterns a1 to aN also stand for those of their whole cycle.
+  for (std::optional<capture::Codes>* codes : {&choice.codes, &choice.events.codes}) {
+    if (*codes && choice.transitions == 2 * (*codes)->num_patterns) *codes = capture::whole_cycle(**codes);
+  }
   OpenedMethod opened;
   opened.algorithm = choice.algorithm;
   opened.use = choice.use;

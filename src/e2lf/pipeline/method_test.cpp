@@ -23,6 +23,13 @@ capture::SensorProfile pixel_camera() {
   return bundled("e2lf-n4-camera").camera.value();
 }
 
+/// Returns black and two openings, of side x side cells.
+capture::Codes other_patterns(size_t side) {
+  capture::Codes codes(3, side, side);
+  codes.pattern(1)[0] = codes.pattern(2)[3] = 1;
+  return codes;
+}
+
 /// Returns the events of a step of the light on a few pixels.
 capture::EventImages some_events() {
   capture::EventImages images(3, 16, 24);
@@ -155,8 +162,23 @@ TEST(GainFinding, TellsAGainFarFromOneWithWhatToDoAboutIt) {
 TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
   capture::Codes codes = *bundled("e2lf-n4").codes;
   std::reverse(codes.values.begin(), codes.values.end());
-  EXPECT_EQ(open_method({.codes = codes}).error().code, ErrorCode::kNotFound);
+  const Error not_black = open_method({.codes = codes}).error();
+  EXPECT_EQ(not_black.code, ErrorCode::kNotFound);
+  EXPECT_THAT(not_black.message, HasSubstr("do not begin with black"));
+  EXPECT_EQ(open_method({.codes = capture::whole_cycle(other_patterns(8))}).error().option, "transitions");
+  EXPECT_THAT(open_method({.codes = other_patterns(9)}).error().message, HasSubstr("at most 8x8, or the inversion"));
   EXPECT_THAT(open_method({}).error().message, HasSubstr("patterns"));
+}
+
+TEST(OpenMethod, TakesPatternsForThoseOfTheirWholeCycle) {
+  for (const auto algorithm : {Algorithm::kNetwork, Algorithm::kDepth, Algorithm::kInversion}) {
+    const capture::Codes codes = *bundled("e2lf-n4").codes;
+    const auto opened = open_method(
+        {.algorithm = algorithm, .codes = codes, .events = {.camera = capture::SensorProfile()}, .transitions = 8});
+    ASSERT_TRUE(opened) << opened.error().text();
+    EXPECT_EQ(opened->codes->codes, capture::whole_cycle(codes));
+    if (opened->network) EXPECT_THAT(opened->network->model().name, HasSubstr("e2lf-n4-cycle-"));
+  }
 }
 
 TEST(OpenMethod, TellsTheNetworkTheFirstCameraThatThereIs) {
@@ -181,6 +203,17 @@ TEST(OpenMethod, OpensTheNetworkOfTheLitTransitionsBesideThatOfTheWholeCycle) {
   EXPECT_EQ(opened->lit->model().camera->name, opened->camera->name);
   EXPECT_FALSE(open_method({.model = bundled("e2lf-n4-cycle-camera")})->lit);
   EXPECT_FALSE(open_method({.model = bundled("e2lf-n4-camera"), .lit_where_moving = true})->lit);
+
+  // For other patterns, it is the one for any patterns, adapted to them.
+  model::Model of_others = bundled("e2lf-n4-cycle-geometry");
+  capture::Codes lit = *capture::codes_of_whole_cycle(*of_others.codes);
+  std::ranges::swap_ranges(lit.pattern(1), lit.pattern(2));
+  of_others.codes = capture::whole_cycle(lit);
+  const auto adapted = open_method({.model = of_others, .lit_where_moving = true});
+  ASSERT_TRUE(adapted) << adapted.error().text();
+  ASSERT_TRUE(adapted->lit);
+  EXPECT_EQ(adapted->lit->model().name, "e2lf-any");
+  EXPECT_EQ(adapted->lit->model().codes, lit);
 }
 
 TEST(OpenMethod, RefusesMeasurementsThatNeedANetworkOfTheirOwn) {

@@ -81,7 +81,7 @@ void add_codes_options(CLI::App& app, CodesSource& source) {
                    "model file, or the name of a bundled model: its patterns and sensor constants");
   add_codes_option(app, source.codes,
                    "aperture patterns (.json, .npy, .npz, or a model); default: those in the file of the events, or "
-                   "else those of the model, or else those of e2lf-n4");
+                   "else those of the model; without either, simulations and the inversion take those of e2lf-n4");
 }
 
 Result<std::optional<model::Model>> read_named_model(const CodesSource& source, RunRecord& record) {
