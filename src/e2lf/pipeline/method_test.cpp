@@ -166,7 +166,7 @@ TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
   EXPECT_EQ(not_black.code, ErrorCode::kNotFound);
   EXPECT_THAT(not_black.message, HasSubstr("do not begin with black"));
   EXPECT_EQ(open_method({.codes = capture::whole_cycle(other_patterns(8))}).error().option, "transitions");
-  EXPECT_THAT(open_method({.codes = other_patterns(9)}).error().message, HasSubstr("at most 8x8, or the inversion"));
+  EXPECT_THAT(open_method({.codes = other_patterns(9)}).error().message, HasSubstr("at most 8x8, or use the inversion"));
   EXPECT_THAT(open_method({}).error().message, HasSubstr("patterns"));
 }
 
@@ -177,7 +177,8 @@ TEST(OpenMethod, TakesPatternsForThoseOfTheirWholeCycle) {
         {.algorithm = algorithm, .codes = codes, .events = {.camera = capture::SensorProfile()}, .transitions = 8});
     ASSERT_TRUE(opened) << opened.error().text();
     EXPECT_EQ(opened->codes->codes, capture::whole_cycle(codes));
-    if (opened->network) EXPECT_THAT(opened->network->model().name, HasSubstr("e2lf-n4-cycle-"));
+    if (algorithm == Algorithm::kInversion) continue;
+    EXPECT_THAT(opened->network->model().name, HasSubstr("e2lf-n4-cycle-"));
   }
 }
 
