@@ -62,7 +62,9 @@ Json RunRecord::json_so_far() const {
   std::error_code ignored;
   record["folder"] = fs::current_path(ignored).string();
   record["options"] = verb_->resolved_options();
-  record["options"].update(resolved_);
+  record["options"].update(determined_);
+  record["determined"] = Json::array();
+  for (const auto& [option, value] : determined_.items()) record["determined"].push_back(option);
   record["seed"] = verb_->common().seed;
   record["threads"] = num_threads();
   record["complete"] = false;

@@ -41,7 +41,7 @@ class RunRecord {
 
   /// Stores the value that was chosen for an option whose setting leaves it open (a default of the model, "auto"), so
   /// that the run can be repeated from its record.
-  void resolve(const std::string& option, Json value) { resolved_[option] = std::move(value); }
+  void resolve(const std::string& option, Json value) { determined_[option] = std::move(value); }
 
   /// Returns the record, which ResultFolder writes as run.json. Reads the inputs, and warns of those that have changed
   /// since the run that is repeated.
@@ -63,7 +63,7 @@ class RunRecord {
   std::vector<Input> inputs_;
   Json timings_s_ = Json::object();
   Json notes_ = Json::object();
-  Json resolved_ = Json::object();
+  Json determined_ = Json::object();
   Clock::time_point step_begin_ = Clock::now();
 };
 

@@ -9,6 +9,7 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <set>
 #include <unistd.h>
 
 #include "e2lf/base/isa.h"
@@ -124,8 +125,25 @@ std::string long_flag(std::string name) {
   return "--" + name;
 }
 
-/// Options that affect what a run prints and not its result; they are not taken over from an earlier run.
-constexpr std::array kNotRepeated = {"json", "quiet", "overwrite"};
+/// Options that do not affect the result of a run; they are not taken over from an earlier one.
+constexpr std::array kNotRepeated = {"json", "quiet", "overwrite", "report"};
+
+/// Removes the key of an option, by whichever of its names.
+void remove_option(const CLI::Option& option, Json& config) {
+  for (std::string name : option.get_lnames()) {
+    config.erase(name);
+    std::ranges::replace(name, '-', '_');
+    config.erase(name);
+  }
+}
+
+/// Returns whether an option changes more than where the result is stored and what is printed.
+bool changes_result(const CLI::Option& option) {
+  static const std::set<std::string> kOthers = {"output", "threads", "config", "set"};
+  return std::ranges::none_of(option.get_lnames(), [](const std::string& name) {
+    return kOthers.contains(name) || std::ranges::find(kNotRepeated, name) != kNotRepeated.end();
+  });
+}
 
 }  // namespace
 
@@ -264,14 +282,36 @@ Result<Json> Verb::read_config() {
   return earlier_run_["options"];
 }
 
-/// Returns the flags of --config and of every --set, which are parsed before those of the command line, so that the
-/// latter take precedence.
-Result<std::vector<std::string>> Verb::configured_flags() {
+/// Returns the options that arguments name. If an argument is missing or wrong, parsing them with the configured ones
+/// tells.
+std::vector<const CLI::Option*> Verb::typed_options(std::vector<std::string> arguments) {
+  std::ranges::reverse(arguments);
+  try {
+    app_.parse(arguments);
+  } catch (const CLI::ParseError&) {
+  }
+  std::vector<const CLI::Option*> typed =
+      static_cast<const CLI::App&>(app_).get_options([](const CLI::Option* option) { return option->count() > 0; });
+  return typed;
+}
+
+/// Returns the flags of --config and of every --set, without those of options that the arguments name or exclude. What
+/// an earlier run determined by itself is determined again if more is changed than where its result is stored.
+Result<std::vector<std::string>> Verb::configured_flags(const std::vector<std::string>& arguments) {
+  if (config_.empty() && overrides_.empty()) return std::vector<std::string>();
   Json config = Json::object();
   if (!config_.empty()) {
     E2LF_ASSIGN_OR_RETURN(config, read_config());
   }
+  const std::vector<const CLI::Option*> typed = typed_options(arguments);
+  if (!overrides_.empty() || std::ranges::any_of(typed, [](const auto* option) { return changes_result(*option); })) {
+    for (const Json& name : earlier_run_.value("determined", Json::array())) config.erase(name.get<std::string>());
+  }
   for (const std::string& assignment : overrides_) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
+  for (const CLI::Option* option : typed) {
+    remove_option(*option, config);
+    for (const CLI::Option* excluded : option->get_excludes()) remove_option(*excluded, config);
+  }
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
 }
 
@@ -300,7 +340,7 @@ int Verb::run(std::vector<std::string> arguments, const std::function<Result<voi
   try {
     if (!keeps_overrides_) {
       find_config(arguments, config_, overrides_);
-      const auto flags = configured_flags();
+      const auto flags = configured_flags(arguments);
       if (!flags) return usage_error(flags.error().text());
       arguments.insert(arguments.begin(), flags->begin(), flags->end());
     }

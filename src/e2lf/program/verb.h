@@ -93,7 +93,8 @@ class Verb {
   int print_help() const;
   [[nodiscard]] int exit_code(const Result<void>& result) const;
   [[nodiscard]] Result<Json> read_config();
-  [[nodiscard]] Result<std::vector<std::string>> configured_flags();
+  [[nodiscard]] std::vector<const CLI::Option*> typed_options(std::vector<std::string> arguments);
+  [[nodiscard]] Result<std::vector<std::string>> configured_flags(const std::vector<std::string>& arguments);
   std::string name_, example_;
   CLI::App app_;
   CommonOptions common_;

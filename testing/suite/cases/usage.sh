@@ -112,6 +112,15 @@ check "$(json out/run.json "j['options']['gain']") == $(json out/run.json "j['no
 cmp images.npz repeated.npz
 "$E2LF" demo --config demo/run.json -o repeated_demo --quiet
 cmp demo/events.npz repeated_demo/events.npz
+# What is typed replaces what was typed then, also a list, and what the earlier run determined by itself.
+"$E2LF" simulate demo/scene -m "$model" --camera ideal -o ideal.npz --quiet
+"$E2LF" simulate demo/scene -m "$model" -o determined.npz --quiet
+"$E2LF" simulate --config determined.npz --camera ideal -o typed.npz --quiet
+cmp ideal.npz typed.npz || fail "constants of another camera"
+"$E2LF" demo -o other --width 64 --height 48 --quiet
+"$E2LF" simulate --config determined.npz other/scene -o typed.npz --overwrite --quiet
+"$E2LF" simulate other/scene -m "$model" -o other.npz --quiet
+cmp other.npz typed.npz || fail "a positional input"
 # A record of another verb is refused; an input that has changed is said.
 fails 2 "record" "$E2LF" reconstruct --config events.npz.run.json
 "$E2LF" simulate demo/scene -m "$model" --seed 8 -o events.npz --overwrite --quiet
