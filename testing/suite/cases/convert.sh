@@ -8,6 +8,13 @@ for output in a.hdf5 a.npz b.raw a.dat a.csv; do
   [ "$(count "$output")" = "$truth" ] || fail "$output: $(count "$output") instead of $truth"
 done
 exists a_triggers.csv
+fails 1 "orientation" "$E2LF" convert recording.raw - --format evt3 --turn-views
+# A recording with other patterns does not continue one.
+other_codes other.npy
+"$E2LF" simulate demo/scene --codes other.npy -o other.raw --quiet
+cat recording.raw other.raw >joined.raw
+fails 1 "split the file here" "$E2LF" convert joined.raw joined.csv
+absent joined.csv
 # Back from each container to RAW: the same events, byte for byte what the first encoder wrote.
 for input in a.hdf5 b.raw; do
   "$E2LF" convert "$input" back.raw --quiet --overwrite

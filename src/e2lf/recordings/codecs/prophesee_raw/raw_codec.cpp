@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Opens and creates RAW recordings of every encoding; declared in codecs.h.
 #include <algorithm>
+#include <iterator>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -167,7 +169,11 @@ class RawBlocks final : public EventBlocks {
  public:
   /// `source` is positioned after the header, whose properties are `info`.
   RawBlocks(SourcePtr source, const RecordingInfo& info, const OpenOptions& options)
-      : source_(std::move(source)), options_(options), limits_(limits_of(info, options)), stream_(limits_) {
+      : source_(std::move(source)),
+        options_(options),
+        limits_(limits_of(info, options)),
+        setup_(setup_of(info)),
+        stream_(limits_) {
     options_.format = info.format;
     options_.width = info.width;
     options_.height = info.height;
@@ -222,6 +228,14 @@ class RawBlocks final : public EventBlocks {
     int64_t latest_us;  ///< latest time that was returned so far
   };
 
+  /// Returns what the header of a recording of e2lf states about patterns and camera.
+  static std::vector<std::pair<std::string, std::string>> setup_of(const RecordingInfo& info) {
+    std::vector<std::pair<std::string, std::string>> setup;
+    std::ranges::copy_if(info.header, std::back_inserter(setup),
+                         [](const auto& entry) { return entry.first.starts_with("e2lf"); });
+    return setup;
+  }
+
   static SensorLimits limits_of(const RecordingInfo& info, const OpenOptions& options) {
     SensorLimits limits;
     limits.counts_reports = options.counts_reports;
@@ -240,6 +254,12 @@ class RawBlocks final : public EventBlocks {
                    cat("another recording begins here that does not match the one before it (", header.error().message,
                        "); split the file here"),
                    cat(source_->name(), ": byte ", recording_byte_)};
+    }
+    if (header->num_bytes > 0 && setup_of(header->info) != setup_) {
+      return fail(
+          ErrorCode::kUnsupported, cat(source_->name(), ": byte ", recording_byte_),
+          "another recording begins here, which states other patterns or another camera than the one before it; "
+          "split the file here");
     }
     loops_before_ += stream_.time_loops();
     stream_ = RawStream<WordCodec>(limits_);
@@ -313,6 +333,7 @@ class RawBlocks final : public EventBlocks {
   SourcePtr source_;
   OpenOptions options_;  ///< with the format and size of the first header, with which later ones must agree
   SensorLimits limits_;
+  std::vector<std::pair<std::string, std::string>> setup_;
   RawStream<WordCodec> stream_;
   std::vector<Checkpoint> checkpoints_;
   size_t wanted_ = 1;
