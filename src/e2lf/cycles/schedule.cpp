@@ -78,10 +78,15 @@ Schedule with_all_transitions(Schedule schedule) {
 }
 
 Result<void> validate(const Schedule& schedule, const std::string& location) {
+  constexpr int64_t kLongestUs = 1'800'000'000;
   const size_t first = schedule.first_of_cycle();
   size_t images = 0;
   for (size_t i = 0; i < schedule.size(); ++i) {
     const ScheduledPattern& pattern = schedule.patterns[(first + i) % schedule.size()];
+    if (std::max(pattern.duration_us, pattern.overhead_us) > kLongestUs) {
+      return fail(ErrorCode::kInvalidValue, location, "pattern \"", pattern.name,
+                  "\" lasts longer than half an hour; state its duration in us");
+    }
     if (pattern.duration_us < 1 || pattern.overhead_us < 0) {
       return fail(ErrorCode::kInvalidValue, location, "pattern \"", pattern.name,
                   "\" is not shown for a positive time");

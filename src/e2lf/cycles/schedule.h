@@ -59,8 +59,8 @@ struct Schedule {
 /// cycle begins at a2 and ends with the a1 of the display's next repetition. The schedule must have an image.
 [[nodiscard]] Schedule with_all_transitions(Schedule schedule);
 
-/// Fails with kInvalidValue: no used patterns, a duration below 1 us, or images that are not numbered 0..n-1 in order
-/// from first_of_cycle() on.
+/// Fails with kInvalidValue: no used patterns, a duration below 1 us or above half an hour, or images that are not
+/// numbered 0..n-1 in order from first_of_cycle() on.
 [[nodiscard]] Result<void> validate(const Schedule& schedule, const std::string& location);
 
 /// Read and write a schedule as {"patterns": [{"name": "a2", "duration_us": 10000, "overhead_us": 0, "image": 0,

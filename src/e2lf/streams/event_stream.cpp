@@ -59,7 +59,7 @@ Result<void> check_pixel(const StreamOptions& options) {
     checks.in(capture::pixel_constant_key(constant), options.pixel[constant], 0, kMost);
   }
   return checks.in("refractory_us", options.defects.refractory_us, 0, kMost)
-      .in("leak_rate_hz", options.defects.leak_rate_hz, 0, kMost)
+      .in("leak_rate_hz", options.defects.leak_rate_hz, 0, 1e6)
       .in("shot_rate_hz", options.defects.shot_rate_hz, 0, 1e6)
       .in("hot_share", options.defects.hot_share, 0, 1)
       .in("hot_rate_hz", options.defects.hot_rate_hz, 0, 1e6)

@@ -85,7 +85,9 @@ void add_stream_options(CLI::App& app, StreamFlags& flags) {
   app.add_option("--schedule", flags.schedule, "schedule of the patterns (JSON); default: the paper's eight patterns")
       ->check(CLI::ExistingFile);
   number("--rise-us", flags.rise_us, "rise time of the display from one pattern to the next");
-  number("--field-us", flags.field_us, "the input is a folder of light fields at this interval, us");
+  app.add_option("--field-us", flags.field_us, "the input is a folder of light fields at this interval, us")
+      ->check(CLI::Range(int64_t{0}, int64_t{3'600'000'000}))
+      ->capture_default_str();
   app.add_option("--turntable", flags.turntable_rpm,
                  "simulate a still life on a turntable instead of an input; revolutions per minute (1.75 in the paper)")
       ->check(CLI::Range(-1000.0, 1000.0));
