@@ -180,7 +180,8 @@ class CycleReader::Impl {
     while (const auto mark = shown_signer_.take(/*needs_sign=*/true, has_ended_)) options_.on_mark(*mark);
   }
 
-  /// Adds the starts up to the last time that was read. The first whole cycle of the recording is number 0.
+  /// Adds the starts up to the last time that was read. The first cycle whose event images lie in the recording is
+  /// number 0.
   void add_scheduled_starts() {
     if (batch_.empty()) return;
     if (!next_start_us_) {
@@ -189,7 +190,11 @@ class CycleReader::Impl {
       next_pattern_ = options_.schedule.first_of_cycle();
       int64_t begin_us = options_.origin_us;  // the beginning of a cycle
       for (size_t i = 0; i < next_pattern_; ++i) begin_us += options_.schedule.patterns[i].interval_us();
-      const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - begin_us;
+      int64_t images_us = begin_us;
+      for (size_t i = next_pattern_; i < options_.schedule.first_image_pattern(); ++i) {
+        images_us += options_.schedule.patterns[i].interval_us();
+      }
+      const int64_t period_us = options_.schedule.cycle_us(), since_us = first_us - images_us;
       const int64_t cycles = since_us / period_us + (since_us % period_us > 0);
       next_start_us_ = begin_us + cycles * period_us;
     }

@@ -357,8 +357,8 @@ TEST(CycleReader, ScheduleAndOneTimeAreEnough) {
   options.source = CycleSource::kSchedule;
   for (const int64_t cycles_away : {0, -1000000, 7}) {
     options.origin_us = synthesis.begin_us + cycles_away * synthesis.schedule.cycle_us();
-    // The first event comes after the first cycle began: that cycle is not whole.
-    expect_exact(cut(20, synthesis, options), 20, synthesis, {0});
+    // The first event comes after the first cycle began, and before its event images begin.
+    expect_exact(cut(20, synthesis, options), 20, synthesis);
   }
 }
 
@@ -692,6 +692,7 @@ TEST(Schedule, WrongOnesAreRefusedWithTheirPlace) {
   EXPECT_THAT(error(R"({"patterns": [{"durations_us": 3, "image": 0}]})"), testing::HasSubstr("patterns[0]"));
   EXPECT_THAT(error(R"({"patterns": [{"image": 1}]})"), testing::HasSubstr("numbered"));
   EXPECT_THAT(error(R"({"patterns": [{"image": 0, "duration_us": 0}]})"), testing::HasSubstr("positive"));
+  EXPECT_THAT(error(R"({"patterns": [{"image": 0, "duration_us": 9223372036854775807}]})"), testing::HasSubstr("hour"));
   EXPECT_THAT(error(R"({"patterns": [{"image": 0, "sign": "up"}]})"), testing::HasSubstr("sign"));
 }
 
