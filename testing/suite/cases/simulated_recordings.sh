@@ -24,6 +24,8 @@ crossing() {
     fail "${simulate[*]}: accumulate $*: the counts differ"
 }
 by_schedule=(--source schedule --origin-us 100000)
+crossing demo/scene -m e2lf-n4 --no-triggers -- "${by_schedule[@]}"
+crossing demo/scene --schedule display/schedule.json -- --schedule display/schedule.json
 for model in e2lf-n4 e2lf-n8 e2lf-n4-cycle-camera; do
   crossing demo/scene -m $model --
   crossing demo/scene -m $model --stream --

@@ -97,7 +97,16 @@ struct Setup {
 Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) {
   Setup setup;
   setup.as_images = arguments.output.extension() == ".npz";
-  E2LF_ASSIGN_OR_RETURN(setup.known, load_codes(arguments.codes, record));
+  if (!arguments.stream.schedule.empty()) {
+    record.add_input(arguments.stream.schedule);
+    E2LF_ASSIGN_OR_RETURN(setup.schedule, cycles::read_schedule(arguments.stream.schedule));
+  }
+  const bool are_codes_named = !arguments.codes.codes.empty() || !arguments.codes.model.empty();
+  if (setup.schedule && setup.schedule->codes && !are_codes_named) {
+    setup.known.codes = *setup.schedule->codes;
+  } else {
+    E2LF_ASSIGN_OR_RETURN(setup.known, load_codes(arguments.codes, record));
+  }
   const capture::Codes& codes = setup.known.codes;
   std::string& event_model = setup.known.event_model;
   capture::SensorConstants& constants = setup.known.constants;
@@ -109,9 +118,7 @@ Result<Setup> read_setup(const SimulateArguments& arguments, RunRecord& record) 
     if (!setup.is_pixel()) event_model = setup.camera->event_model;
     views = setup.camera->views;
   }
-  if (!arguments.stream.schedule.empty()) {
-    record.add_input(arguments.stream.schedule);
-    E2LF_ASSIGN_OR_RETURN(setup.schedule, cycles::read_schedule(arguments.stream.schedule));
+  if (setup.schedule) {
     if (!views) views = setup.schedule->views;
     if (capture::codes_of_whole_cycle(codes)) setup.schedule = with_all_transitions(*setup.schedule);
   }
