@@ -58,6 +58,9 @@ if grep -q "$assumed" err.txt; then fail "$(cat err.txt)"; fi
 grep -q "events-unexplained\|better" err.txt || fail "$(cat err.txt)"
 "$E2LF" reconstruct other.raw -m "$model" --codes own.json -o contradicted >out.txt 2>err.txt
 grep -q "patterns-contradicted" err.txt || fail "$(cat err.txt)"
+"$E2LF" accumulate other.raw --codes own.json -o contradicted.npz --quiet 2>/dev/null
+"$E2LF" reconstruct contradicted.npz -m "$model" -o repeated >out.txt 2>err.txt
+grep -q "patterns-contradicted" err.txt || fail "event images forget it: $(cat err.txt)"
 # Event images of another schedule do not get patterns that are not theirs.
 cat >two.json <<'JSON'
 {"patterns": [{"name": "rest", "duration_us": 74144}, {"name": "a3", "duration_us": 10592, "image": 0}, {"name": "a4", "duration_us": 10000, "image": 1}]}

@@ -164,13 +164,14 @@ Result<void> write_report(const fs::path& path, const pipeline::CycleInput& inpu
   return reports.write(page);
 }
 
-/// Returns the setup to store with the event images. Warns if sources state different patterns.
+/// Returns the setup to store with the event images. It is a finding if sources state different patterns.
 Result<capture::RecordedSetup> setup_of(const AccumulateArguments& arguments,
-                                        const std::optional<capture::Codes>& codes, const cycles::CycleReader& reader) {
+                                        const std::optional<capture::Codes>& codes, const cycles::CycleReader& reader,
+                                        diagnose::Findings& findings) {
   E2LF_ASSIGN_OR_RETURN(capture::RecordedSetup setup, pipeline::setup_of_cycles(arguments.input, reader));
   const cycles::Schedule& schedule = reader.schedule();
-  const auto contradicted = pipeline::contradicted_codes({.codes = codes, .events = setup, .schedule = &schedule});
-  if (contradicted) diagnose::log_findings(arguments.input.string(), {*contradicted});
+  auto contradicted = pipeline::contradicted_codes({.codes = codes, .events = setup, .schedule = &schedule});
+  if (contradicted) findings.push_back(*std::move(contradicted));
   if (codes) setup.codes = cycles::codes_of_images(*codes, schedule).value_or(*codes);
   setup.views = arguments.orientation.after(setup.views);
   return setup;
@@ -225,7 +226,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   observe(flags.events.cycles, bar, reports.is_wanted() ? &read.plot : nullptr);
   E2LF_ASSIGN_OR_RETURN(pipeline::CycleInput input, open_cycle_input(arguments.input, flags, verb, {.codes = codes}));
   E2LF_ASSIGN_OR_RETURN(const auto writer, capture::EventImageWriter::create(output.path()));
-  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, setup_of(arguments, codes, input.reader()));
+  diagnose::Findings of_setup;
+  E2LF_ASSIGN_OR_RETURN(const capture::RecordedSetup setup, setup_of(arguments, codes, input.reader(), of_setup));
   E2LF_RETURN_IF_ERROR(write_cycles(arguments, setup, input, *writer, scene, read));
   record.end_step("accumulate");
   const cycles::CycleReader& reader = input.reader();
@@ -236,6 +238,7 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (reports.is_wanted()) E2LF_RETURN_IF_ERROR(write_report(arguments.input, input, read, reports));
   if (writer->cycles() == 0) return no_cycle_error(arguments.input, input.rig(), reader);
   diagnose::Findings findings = input.rig().findings(reader);
+  findings.insert(findings.end(), of_setup.begin(), of_setup.end());
   scene.judge(setup, findings);
   diagnose::log_findings(arguments.input.string(), findings);
   E2LF_RETURN_IF_ERROR(writer->finish(json_line(diagnose::to_json(findings))));
