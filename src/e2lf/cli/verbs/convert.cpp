@@ -92,6 +92,11 @@ Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recor
     return fail(ErrorCode::kUnsupported, arguments.output,
                 "a stream can take only one part of the recording; give a file");
   }
+  if (output.is_stream() && !arguments.light_field.orientation.value().is_upright()) {
+    return fail(ErrorCode::kUnsupported, arguments.output,
+                "a stream does not state the orientation of the views; write a file, or give the option to the program "
+                "that reads the stream");
+  }
   return ConvertedPart{named, std::move(output), {}};
 }
 
