@@ -369,7 +369,7 @@ std::optional<Finding> check_triggers(const TriggerInputs& inputs, const cycles:
     }
   }
   constexpr size_t kEnoughOfCycles = 3;
-  if (times_us.size() < options.schedule.size()) {
+  if (!options.one_trigger_per_cycle && times_us.size() < options.schedule.size()) {
     auto of_cycles = check_times(times_us, options.schedule, options.one_trigger_per_cycle);
     if (times_us.size() >= kEnoughOfCycles && of_cycles && of_cycles->code == "triggers-of-cycles") return of_cycles;
     return finding("triggers-few",

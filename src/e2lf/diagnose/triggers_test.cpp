@@ -65,6 +65,9 @@ TEST(CheckTriggers, DistinguishesTriggersOfCyclesAndOfPatterns) {
   EXPECT_EQ(code_for(kept(triggers, [](size_t i) { return i % 16 < 2; })), "triggers-of-cycles");
   EXPECT_EQ(code_for(kept(triggers, [](size_t i) { return i < 64 && i % 16 < 2; })), "triggers-of-cycles") << "only 4";
   EXPECT_EQ(code_for(triggers, {.one_trigger_per_cycle = true}), "triggers-of-patterns");
+  const auto two = kept(triggers, [](size_t i) { return i < 32 && i % 16 < 2; });
+  EXPECT_EQ(code_for(two), "triggers-few");
+  EXPECT_EQ(code_for(two, {.one_trigger_per_cycle = true}), "");
 }
 
 TEST(CheckTriggers, DistinguishesOtherSchedulesFromMissingTriggers) {

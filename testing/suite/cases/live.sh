@@ -35,7 +35,7 @@ cmp last.npy six/cycle_00005/lightfield.npy || fail "the last light field is not
 # What makes the disparities doubtful is said, too.
 other_codes other.npy
 "$E2LF" simulate demo/scene --codes other.npy --cycles 2 -o other.raw --quiet
-"$E2LF" live replay:other.raw -m "$model" --depth-model e2lf-n4-depth --no-page >out.txt 2>err.txt
+"$E2LF" live replay:other.raw --depth-model e2lf-n4-depth --no-page >out.txt 2>err.txt
 grep -q "than e2lf-n4-depth was trained for" err.txt || fail "$(cat err.txt)"
 
 # The recording is what was sent, byte for byte; a second one does not replace it.
