@@ -194,13 +194,30 @@ std::vector<OtherPlaces> compare_places(const capture::EventImages& events, cons
   return result;
 }
 
+namespace {
+
+/// Returns the patterns as they lie in upright views. A half turn only changes the sign of all disparities.
+capture::Codes in_upright_views(capture::Codes codes, const capture::Orientation& views) {
+  if (views.flip_x == views.flip_y) return codes;
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    for (size_t row = 0; row < codes.views_y; ++row) {
+      std::ranges::reverse(codes.pattern(n).subspan(row * codes.views_x, codes.views_x));
+    }
+  }
+  return codes;
+}
+
+}  // namespace
+
 std::optional<Finding> check_places(const capture::EventImages& events, const capture::Codes& codes,
-                                    const std::optional<capture::SensorProfile>& camera) {
+                                    const std::optional<capture::SensorProfile>& camera,
+                                    const std::optional<capture::Orientation>& views) {
   using enum capture::PixelConstant;
   const bool is_pixel = camera && camera->is_pixel();
   const float on_per_off = is_pixel ? camera->pixel[kThresholdOff] / camera->pixel[kThresholdOn] : 1.0F;
   const std::vector<OtherPlaces> places =
-      compare_places(middle_of(events, kMostSideOfParallax, kMostSideOfParallax), codes, on_per_off);
+      compare_places(middle_of(events, kMostSideOfParallax, kMostSideOfParallax),
+                     in_upright_views(codes, views.value_or(capture::Orientation{})), on_per_off);
   const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
   if (best == places.end() || best->mismatch > kConfirmed) return std::nullopt;
   if (best->mismatch >= kMismatchRatio) {

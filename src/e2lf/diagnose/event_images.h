@@ -53,9 +53,10 @@ struct OtherPlaces {
 /// Returns the finding that other places agree clearly better than the stated ones with the events in the middle of the
 /// image, or a note that other places agree as well, so that nothing is known of them: in dim light, and in scenes
 /// without depth. Returns nothing if the stated places agree best. The camera states the thresholds; without one, those
-/// of the paper's event model are taken.
+/// of the paper's event model are taken. `views` is the orientation of the views relative to the patterns.
 [[nodiscard]] std::optional<Finding> check_places(const capture::EventImages& events, const capture::Codes& codes,
-                                                  const std::optional<capture::SensorProfile>& camera);
+                                                  const std::optional<capture::SensorProfile>& camera,
+                                                  const std::optional<capture::Orientation>& views = {});
 
 /// Returns the reasons why the event images of a cycle are unlikely to show a scene: images without events, fewer
 /// events than one per fifty pixels, counts of 100 per cycle or more in over half of an image, and counts of a single

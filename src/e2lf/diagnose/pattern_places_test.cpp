@@ -21,12 +21,23 @@ capture::Codes three_openings() {
   return codes;
 }
 
-/// Returns the change with the least mismatch, or nothing if the stated places agree best.
-std::string best_for(const capture::Codes& shown) {
+capture::EventImages events_of(const capture::Codes& shown) {
   static const lightfield::LightField scene =
       lightfield::render_light_field(lightfield::demo_scene(), {8, 8, 120, 160}, 4);
-  const auto events = sensor::simulate_events(shown, scene, {}).value();
-  const auto places = compare_places(events, three_openings(), 1.0F);
+  return sensor::simulate_events(shown, scene, {}).value();
+}
+
+/// Returns the patterns with the order of their columns reversed.
+capture::Codes mirrored(capture::Codes codes) {
+  for (size_t n = 0; n < codes.num_patterns; ++n) {
+    for (size_t row = 0; row < 8; ++row) std::ranges::reverse(codes.pattern(n).subspan(8 * row, 8));
+  }
+  return codes;
+}
+
+/// Returns the change with the least mismatch, or nothing if the stated places agree best.
+std::string best_for(const capture::Codes& shown) {
+  const auto places = compare_places(events_of(shown), three_openings(), 1.0F);
   const auto best = std::ranges::min_element(places, {}, &OtherPlaces::mismatch);
   return best->mismatch < 0.98 ? best->name : "";
 }
@@ -37,11 +48,15 @@ TEST(ComparePlaces, NamesExchangedAndTurnedPatterns) {
   capture::Codes shown = codes;
   std::ranges::swap_ranges(shown.pattern(2), shown.pattern(3));
   EXPECT_EQ(best_for(shown), "with the patterns a3 and a4 exchanged");
-  shown = codes;
-  for (size_t n = 0; n < 4; ++n) {
-    for (size_t row = 0; row < 8; ++row) std::ranges::reverse(shown.pattern(n).subspan(8 * row, 8));
-  }
-  EXPECT_EQ(best_for(shown), "with mirrored patterns");
+  EXPECT_EQ(best_for(mirrored(codes)), "with mirrored patterns");
+}
+
+TEST(ComparePlaces, KnowsTheOrientationOfTheViews) {
+  const capture::EventImages events = events_of(mirrored(three_openings()));
+  EXPECT_EQ(check_places(events, three_openings(), {})->code, "orientation-better-changed");
+  EXPECT_FALSE(check_places(events, three_openings(), {}, capture::Orientation{.flip_x = true}));
+  EXPECT_FALSE(check_places(events, three_openings(), {}, capture::Orientation{.flip_y = true}));
+  EXPECT_TRUE(check_places(events_of(three_openings()), three_openings(), {}, capture::Orientation{.flip_x = true}));
 }
 
 TEST(ComparePlaces, ExchangesPatternsOnlyIfTheyAreFew) {

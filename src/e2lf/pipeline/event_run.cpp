@@ -109,7 +109,7 @@ diagnose::Findings EventRun::judge_events(const EventResult& result) const {
   if (made_ > 0 || !result.is_confirmed || diagnose::has_doubt(findings)) return findings;
   auto other = diagnose::check_order(events, cycles, method_.known_setup());
   if (!other && are_patterns_stated(method_.codes)) {
-    other = diagnose::check_places(events, method_.codes->codes, method_.camera);
+    other = diagnose::check_places(events, method_.codes->codes, method_.camera, views_);
   }
   if (other && other->severity != diagnose::Severity::kNote) findings.push_back(*std::move(other));
   return findings;

@@ -166,7 +166,8 @@ TEST(OpenMethod, NamesNoNetworkForPatternsThatNoneWasTrainedFor) {
   EXPECT_EQ(not_black.code, ErrorCode::kNotFound);
   EXPECT_THAT(not_black.message, HasSubstr("do not begin with black"));
   EXPECT_EQ(open_method({.codes = capture::whole_cycle(other_patterns(8))}).error().option, "transitions");
-  EXPECT_THAT(open_method({.codes = other_patterns(9)}).error().message, HasSubstr("at most 8x8, or use the inversion"));
+  EXPECT_THAT(open_method({.codes = other_patterns(9)}).error().message,
+              HasSubstr("at most 8x8, or use the inversion"));
   EXPECT_THAT(open_method({}).error().message, HasSubstr("patterns"));
 }
 

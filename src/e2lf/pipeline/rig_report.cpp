@@ -152,7 +152,7 @@ Result<RigSearch> search_rig(const OpenedMethod& method, const FieldCheck& check
     return found;
   }
   E2LF_ASSIGN_OR_RETURN(auto change, better_change(check, explained, cycle, found.changes));
-  auto places = diagnose::check_places(sum, check.camera().codes, check.camera().pixels);
+  auto places = diagnose::check_places(sum, check.camera().codes, check.camera().pixels, method.views);
   const bool is_of_places = places && !(change && change->is_clear) && (places->severity != Severity::kNote || !change);
   if (is_of_places) found.findings.push_back(std::move(*places));
   if (change && !is_of_places) found.findings.push_back(std::move(change->finding));

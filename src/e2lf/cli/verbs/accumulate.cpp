@@ -89,7 +89,7 @@ class SceneCheck {
     if (diagnose::has_doubt(findings)) return;
     if (setup.codes) {
       auto other = diagnose::check_order(sum_, cycles, setup);
-      if (!other) other = diagnose::check_places(sum_, *setup.codes, setup.camera);
+      if (!other) other = diagnose::check_places(sum_, *setup.codes, setup.camera, setup.views);
       if (other) findings.push_back(*std::move(other));
       return;
     }
