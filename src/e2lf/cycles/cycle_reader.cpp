@@ -248,6 +248,12 @@ class CycleReader::Impl {
   size_t next_pattern_ = 0;
 };
 
+const char* option_of_first_pattern(const CycleOptions& options) {
+  if (options.source == CycleSource::kSchedule) return "origin_us";
+  const bool may_have_triggers = options.source != CycleSource::kBursts;
+  return may_have_triggers && options.one_trigger_per_cycle ? "trigger_delay_us" : "first_pattern";
+}
+
 Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReader> reader,
                                       const CycleOptions& options) {
   E2LF_RETURN_IF_ERROR(validate(options.schedule, "schedule"));
@@ -258,6 +264,13 @@ Result<CycleReader> CycleReader::open(std::unique_ptr<recordings::RecordingReade
     return invalid(cat("the first pattern is ", *options.tracker.first_pattern, " of a schedule of ",
                        options.schedule.size(), "; count from 0"))
         .about("first_pattern");
+  }
+  if (const char* option = option_of_first_pattern(options);
+      options.tracker.first_pattern && option != std::string("first_pattern")) {
+    return invalid(
+               "a cycle begins at the origin of the schedule, or at its only trigger; shift it, and omit the first "
+               "pattern")
+        .about(option);
   }
   if (!(options.tracker.tolerance > 0 && options.tracker.tolerance < 0.5)) {
     return invalid("the tolerance of intervals must be between 0 and 0.5");

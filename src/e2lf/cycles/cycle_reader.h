@@ -125,6 +125,10 @@ struct CycleReport {
   static constexpr size_t kMaxDrops = 1000;
 };
 
+/// Returns the name of the option that determines with which pattern a cycle begins: that of the first pattern counts
+/// from where triggers or bursts of each pattern begin.
+[[nodiscard]] const char* option_of_first_pattern(const CycleOptions& options);
+
 /// Divides a recording into cycles and accumulates each into event images. Memory is bounded by the images of one
 /// cycle, one batch, and the events whose pattern is not yet known: those of a few milliseconds, or of one cycle at the
 /// beginning.

@@ -169,7 +169,7 @@ Findings RigCheck::findings(const cycles::CycleReader& reader) const {
   // Patterns that are mistaken for others have other signs.
   if (!of_triggers && has_light) {
     add(check_inversion(options));
-    add(check_halves());
+    add(check_halves(options));
   }
   add(check_late_triggers(options.schedule));
   if (has_triggers_as_source && has_light) add(check_delay(options));
@@ -201,16 +201,16 @@ std::optional<Finding> RigCheck::check_inversion(const cycles::CycleOptions& opt
                  "invert_polarity"};
 }
 
-std::optional<Finding> RigCheck::check_halves() const {
+std::optional<Finding> RigCheck::check_halves(const cycles::CycleOptions& options) const {
   const uint64_t half_off = cycles_of(Polarity::kHalfCycleOff);
   if (half_off == 0) return std::nullopt;
   return Finding{
       "half-cycle-off",
       Severity::kError,
       cat("the patterns of ", half_off, " of ", cycles_of_known_signs(), " cycles are mistaken for their inverses"),
-      "check the first pattern and the origin of the schedule",
+      "check with which pattern a cycle begins",
       {{"cycles", half_off}},
-      "first_pattern"};
+      cycles::option_of_first_pattern(options)};
 }
 
 std::optional<Finding> RigCheck::check_late_triggers(const cycles::Schedule& schedule) const {

@@ -73,7 +73,7 @@ class RigCheck {
   }
   [[nodiscard]] std::optional<Finding> check_light() const;
   [[nodiscard]] std::optional<Finding> check_inversion(const cycles::CycleOptions& options) const;
-  [[nodiscard]] std::optional<Finding> check_halves() const;
+  [[nodiscard]] std::optional<Finding> check_halves(const cycles::CycleOptions& options) const;
   [[nodiscard]] std::optional<Finding> check_late_triggers(const cycles::Schedule& schedule) const;
   [[nodiscard]] std::optional<Finding> check_delay(const cycles::CycleOptions& options) const;
   [[nodiscard]] std::optional<Finding> check_confidence() const;

@@ -42,6 +42,8 @@ crossing demo/scene -m e2lf-n4 --camera evk4-lcos --stream --rise-us 1000 --leak
 crossing demo/scene -m e2lf-n4 --stream --rise-us 2000 --
 crossing demo/scene -m e2lf-n4 --stream --schedule slow.json -- --schedule slow.json
 crossing --turntable 1.75 --width 96 --height 64 -m e2lf-n4 --camera evk4-lcos --
+fails 1 "(--origin-us)" "$E2LF" accumulate rec.raw -o x.npz "${by_schedule[@]}" --first-pattern 4
+fails 1 "(--trigger-delay-us)" "$E2LF" accumulate rec.raw -o x.npz --one-trigger-per-cycle --first-pattern 4
 # A recording for the lit transitions has those of the whole cycle as well, and ends with the lit patterns.
 "$E2LF" simulate demo/scene -m e2lf-n4 --cycles 3 --seed 5 -o lit.raw --quiet
 "$E2LF" accumulate lit.raw --transitions all -o lit_all.npz --quiet
