@@ -304,8 +304,12 @@ Result<std::vector<std::string>> Verb::configured_flags(const std::vector<std::s
     E2LF_ASSIGN_OR_RETURN(config, read_config());
   }
   const std::vector<const CLI::Option*> typed = typed_options(arguments);
-  if (!overrides_.empty() || std::ranges::any_of(typed, [](const auto* option) { return changes_result(*option); })) {
-    for (const Json& name : earlier_run_.value("determined", Json::array())) config.erase(name.get<std::string>());
+  const bool is_changed =
+      !overrides_.empty() || std::ranges::any_of(typed, [](const auto* option) { return changes_result(*option); });
+  if (is_changed && earlier_run_.contains("determined")) {
+    for (const Json& name : earlier_run_["determined"]) {
+      if (name.is_string()) config.erase(name.get<std::string>());
+    }
   }
   for (const std::string& assignment : overrides_) E2LF_RETURN_IF_ERROR(apply_override(config, assignment));
   for (const CLI::Option* option : typed) {

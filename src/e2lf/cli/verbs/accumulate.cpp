@@ -238,8 +238,8 @@ Result<void> accumulate(const AccumulateArguments& arguments, const Verb& verb) 
   if (reports.is_wanted()) E2LF_RETURN_IF_ERROR(write_report(arguments.input, input, read, reports));
   if (writer->cycles() == 0) return no_cycle_error(arguments.input, input.rig(), reader);
   diagnose::Findings findings = input.rig().findings(reader);
-  findings.insert(findings.end(), of_setup.begin(), of_setup.end());
   scene.judge(setup, findings);
+  findings.insert(findings.end(), of_setup.begin(), of_setup.end());
   diagnose::log_findings(arguments.input.string(), findings);
   E2LF_RETURN_IF_ERROR(writer->finish(json_line(diagnose::to_json(findings))));
   record.resolve("source", word_of(reader.source(), kCycleSources));
