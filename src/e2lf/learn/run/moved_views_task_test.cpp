@@ -163,7 +163,7 @@ TEST_F(MovedViewsRun, ResumesBitExactlyAndStoresAModelThatNamesItsDisparity) {
     EXPECT_TRUE(model::reads_moved_pictures(*read));
     EXPECT_EQ(model::is_depth_network(*read), config.network.gives_disparity());
     EXPECT_EQ(read->weights, model->weights);
-    EXPECT_EQ(read->open_guide->guide.weak_texture, 0.02F);
+    EXPECT_EQ(read->open_guide->guide.weak_texture, static_cast<float>(config.network.weak_texture));
     EXPECT_EQ(read->parts, std::vector{*bundled_file_named(kBundledModels, "e2lf-depth-first")});
     EXPECT_TRUE(geometry::for_patterns(*read, *bundled("e2lf-n4").codes));
   }
