@@ -242,7 +242,7 @@ void bind_cycle_reader(py::module_& module) {
       "invert_polarity: whether to exchange ON and OFF events." E2LF_OPEN_DOC);
 }
 
-/// Writes a recording in the same way as `e2lf simulate`.
+/// Writes a recording of event images, as cycles::synthesise_cycle() makes it.
 void synthesise(const fs::path& path, const std::vector<py::array>& images_of_cycles,
                 const std::optional<py::array>& codes, const ScheduleArgument& schedule, bool triggers,
                 int64_t begin_us, Whole<uint64_t> seed, const capture::SensorProfile* camera, bool overwrite) {

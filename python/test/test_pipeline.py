@@ -51,7 +51,9 @@ class PipelineTest(InFolder):
         self.assertEqual(e2lf.open_recording("rec.raw").camera, paper)
         command_line("simulate", "scene.npy", "-m", self.path, "--camera", "paper", "-o", "program.raw", "--cycles", 3,
                      "--quiet")
-        self.assertEqual(Path("rec.raw").read_bytes(), Path("program.raw").read_bytes())
+        of_program = e2lf.accumulate("program.raw")
+        self.assertTrue(all(same(cycle.images, truth) for cycle, truth in zip(of_program, images, strict=True)))
+        self.assertEqual(e2lf.open_recording("program.raw").camera, paper)
         cases = [({}, (), 3), ({"schedule": e2lf.paper_schedule()}, (), 3),
                  ({"source": "bursts"}, ("--source", "bursts"), None),
                  # The first trigger shows that the first cycle was not cut.
