@@ -11,6 +11,7 @@
 #include <new>
 #include <set>
 #include <unistd.h>
+#include <utility>
 
 #include "e2lf/base/isa.h"
 #include "e2lf/base/log.h"
@@ -290,9 +291,7 @@ std::vector<const CLI::Option*> Verb::typed_options(std::vector<std::string> arg
     app_.parse(arguments);
   } catch (const CLI::ParseError&) {
   }
-  std::vector<const CLI::Option*> typed =
-      static_cast<const CLI::App&>(app_).get_options([](const CLI::Option* option) { return option->count() > 0; });
-  return typed;
+  return std::as_const(app_).get_options([](const CLI::Option* option) { return option->count() > 0; });
 }
 
 /// Returns the flags of --config and of every --set, without those of options that the arguments name or exclude. What

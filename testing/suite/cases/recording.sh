@@ -6,15 +6,15 @@
 [ "$(json info.json "(j['format'], j['triggers'], j['num_violations'] if 'num_violations' in j else 0)")" = "('evt3', 64, 0)" ] || fail "info"
 grep -q '^<svg' rate.svg || fail "no plot"
 "$E2LF" accumulate recording.raw -o triggers.npz --source triggers --quiet
-# Halves of the aperture differ so much that each change is a burst, also from one inverse to the next.
-py -c 'import numpy as np; c = np.zeros((4, 8, 8), np.float32); c[1, :, :4] = c[2, :4, 4:] = c[3, 4:] = 1; np.save("halves.npy", c)'
-"$E2LF" simulate demo/scene --codes halves.npy -o halves.npz --cycles 4 --quiet
-"$E2LF" simulate demo/scene --codes halves.npy -o halves.raw --cycles 4 --quiet
-"$E2LF" accumulate halves.raw -o bursts.npz --source bursts --report cycles.svg --json >bursts.json
-[ "$(json bursts.json "[cycle['number'] for cycle in j['each']]")" = "[0, 2, 3]" ] || fail "the cycles found"
+# The light of these patterns, and that of their inverses, differs so much that each change is a burst.
+py -c 'import numpy as np; c = np.zeros((4, 64), np.float32); c[1, :24] = c[2, :44] = c[3, 44:] = 1; np.save("areas.npy", c.reshape(4, 8, 8))'
+"$E2LF" simulate demo/scene --codes areas.npy -o areas.npz --cycles 4 --quiet
+"$E2LF" simulate demo/scene --codes areas.npy -o areas.raw --cycles 4 --quiet
+"$E2LF" accumulate areas.raw -o bursts.npz --source bursts --report cycles.svg --json >bursts.json
+[ "$(json bursts.json "[cycle['number'] for cycle in j['each']]")" = "[0, 1, 2, 3]" ] || fail "the cycles found"
 check "$(json bursts.json "min(cycle['confidence'] for cycle in j['each'])") == $(json bursts.json "j['least_confidence']") > 0.2"
-[ "$(grep -o 'fill="#228833" fill-opacity' cycles.svg | wc -l)" -eq 9 ] || fail "the picture does not show three cycles of three images"
-py -c 'import numpy as np; a, b = (np.load(f)["events"] for f in ("halves.npz", "bursts.npz")); assert (a[[0, 2, 3]] == b).all()'
+[ "$(grep -o 'fill="#228833" fill-opacity' cycles.svg | wc -l)" -eq 12 ] || fail "the picture does not show four cycles of three images"
+py -c 'import numpy as np; a, b = (np.load(f)["events"] for f in ("areas.npz", "bursts.npz")); assert a.shape == b.shape and (a == b).all()'
 # Of eight patterns, too: the recording says how many.
 "$E2LF" simulate demo/scene -m "$SOURCES/models/e2lf-n8.safetensors" -o eight.npz --cycles 2 --quiet
 "$E2LF" simulate demo/scene -m "$SOURCES/models/e2lf-n8.safetensors" -o eight.raw --cycles 2 --quiet

@@ -112,7 +112,7 @@ check "$(json out/run.json "j['options']['gain']") == $(json out/run.json "j['no
 cmp images.npz repeated.npz
 "$E2LF" demo --config demo/run.json -o repeated_demo --quiet
 cmp demo/events.npz repeated_demo/events.npz
-# What is typed replaces what was typed then, also a list, and what the earlier run determined by itself.
+# What is typed replaces what was typed then, and what the earlier run determined by itself.
 "$E2LF" simulate demo/scene -m "$model" --camera ideal -o ideal.npz --quiet
 "$E2LF" simulate demo/scene -m "$model" -o determined.npz --quiet
 "$E2LF" simulate --config determined.npz --camera ideal -o typed.npz --quiet
