@@ -288,6 +288,7 @@ TEST(CycleReader, OneTriggerForEachCycleIsEnough) {
   SynthesisOptions synthesis;
   CycleOptions options = by_triggers();
   options.one_trigger_per_cycle = true;
+  options.tracker.first_pattern.reset();
   const auto only_first = [](uint64_t, SynthesisedCycle& cycle) { cycle.batch.triggers.resize(2); };
   expect_exact(cut(30, synthesis, options, only_first), 30, synthesis);
 }
