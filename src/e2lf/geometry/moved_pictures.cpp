@@ -209,9 +209,11 @@ Result<model::Model> composed_for_patterns(model::Model network, model::Model di
   }
   E2LF_ASSIGN_OR_RETURN(const model::MovedInput input, moved_input(codes, disparity.input));
   const model::Guide guide = network.open_guide ? network.open_guide->guide : model::Guide();
+  const model::PrecisionLoss loss = network.precision_loss;  // that of the composed network
   network.open_guide = nullptr;
   E2LF_ASSIGN_OR_RETURN(model::Model result,
                         model::on_moved_pictures(std::move(network), std::move(disparity), input, guide));
+  result.precision_loss = loss;
   result.is_adapted = true;
   E2LF_RETURN_IF_ERROR(model::validate(result, result.name));
   return result;

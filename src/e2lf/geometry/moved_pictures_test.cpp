@@ -185,6 +185,22 @@ TEST(MovedPictures, AreWhatTheViewsAreMadeOf) {
   EXPECT_EQ(adapted->network.layers.back().residual, "views_output");
 }
 
+TEST(MovedPictures, GiveViewsThatDoNotFollowTheDisparityIfNoTextureIsWeak) {
+  model::Model views = small_views();
+  views.open_guide = std::make_shared<const model::OpenGuide>(model::OpenGuide{{.weak_texture = 0}, small_model()});
+  const auto adapted = for_patterns(views, three_boxes());
+  ASSERT_TRUE(adapted) << adapted.error().text();
+  EXPECT_EQ(adapted->network.layers.back().name, "views_output");
+  views.open_guide = std::make_shared<const model::OpenGuide>(model::OpenGuide{{.weak_texture = -1}, small_model()});
+  EXPECT_EQ(for_patterns(views, three_boxes()).error().code, ErrorCode::kInvalidValue);
+}
+
+TEST(MovedPictures, LoseInFasterArithmeticWhatTheFileStates) {
+  model::Model views = small_views();
+  views.precision_loss = {.bfloat16_db = 0.01, .int16_db = 0.002};
+  EXPECT_EQ(for_patterns(views, three_boxes()).value().precision_loss, views.precision_loss);
+}
+
 /// Disparities made of moved pictures.
 model::Model small_depth() {
   model::Model model = small_views();

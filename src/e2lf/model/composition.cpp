@@ -350,10 +350,11 @@ void add_moved_planes(const MovedInput& input, const std::string& disparity, Wei
 }
 
 /// Adds the result of a network of views for moved pictures: as many views as the patterns of `disparity` have cells,
-/// which follow it.
+/// which follow it unless no texture is weak.
 Result<void> add_own_views(std::string of_views, const std::string& of_disparity, const Model& disparity,
                            const Guide& guide, Model& views, WeightedNetwork& to) {
-  E2LF_RETURN_IF_ERROR(check_limit(views, guide));
+  const bool follow = guide.weak_texture != 0.0F;
+  if (follow) E2LF_RETURN_IF_ERROR(check_limit(views, guide));
   Graph graph(to);
   if (disparity.views_y != views.views_y || disparity.views_x != views.views_x) {
     graph.conv("own_views", of_views, views_around_reference(views, disparity));
@@ -361,7 +362,7 @@ Result<void> add_own_views(std::string of_views, const std::string& of_disparity
     views.views_y = disparity.views_y;
     views.views_x = disparity.views_x;
   }
-  add_following(graph, of_views, of_disparity, views, guide);
+  if (follow) add_following(graph, of_views, of_disparity, views, guide);
   return {};
 }
 

@@ -18,7 +18,8 @@ struct Guide {
   /// InputKind::kMoved.
   std::string views = {}, disparity = {};
   /// Where the mean absolute detail of the central picture is below this share of white, the views become those of
-  /// this picture on a surface at the disparity. Where it is above twice as much, they are not changed.
+  /// this picture on a surface at the disparity. Where it is above twice as much, they are not changed. Views of moved
+  /// pictures do not follow the disparity if it is 0.
   float weak_texture = 0.01F;
   std::optional<float> share_of_full_scale = {};  ///< of the disparity; empty = that which its own file states
 };

@@ -120,7 +120,12 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
   return model;
 }
 
-Result<model::PrecisionLoss> check_precision(const model::Model& model, const std::vector<fs::path>& paths) {
+/// Measures what the network loses on the light fields in `paths`: a network for any patterns with the default ones.
+Result<model::PrecisionLoss> check_precision(model::Model model, const std::vector<fs::path>& paths) {
+  if (model::is_for_any_patterns(model) && !model.codes) {
+    E2LF_ASSIGN_OR_RETURN(const capture::Codes patterns, pipeline::usual_patterns());
+    E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, patterns));
+  }
   std::vector<lightfield::LightField> scenes;
   for (const fs::path& path : paths) {
     E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, lightfield::read_light_field(path, {}));
@@ -142,7 +147,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
   add_codes_option(verb.app(), codes, "aperture patterns to which a network for any patterns is adapted");
   verb.app().add_option("--check", scenes,
                         "light fields on which to measure what bfloat16 and int16 lose, so that --precision auto may "
-                        "use them");
+                        "use them; for any patterns: with those of e2lf-n4");
   return verb.run(arguments, [&]() -> Result<void> {
     const auto write = [&](const fs::path& path, model::Model model) -> Result<void> {
       if (!codes.empty()) {
