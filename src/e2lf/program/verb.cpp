@@ -318,16 +318,29 @@ Result<std::vector<std::string>> Verb::configured_flags(const std::vector<std::s
   return flags_from_config(config, app_, config_.empty() ? "--set" : config_);
 }
 
-Result<void> Verb::refuse_options(const std::vector<std::string>& options, const std::string& what) const {
-  for (const CLI::Option* option : app_.get_options()) {
-    const bool is_refused = std::ranges::any_of(
+std::vector<const CLI::Option*> Verb::changed_options(const std::vector<std::string>& options) const {
+  return app_.get_options([&](const CLI::Option* option) {
+    const bool is_named = std::ranges::any_of(
         options, [&](const std::string& name) { return name == option->get_group() || name == option->get_name(); });
-    if (option->count() == 0 || !is_refused) continue;
     // A run that is repeated from its record also repeats the defaults.
-    if (join(option->results()) == option->get_default_str()) continue;
-    return fail(ErrorCode::kInvalidValue, option->get_name(), "has no effect on ", what, "; omit it");
+    return is_named && option->count() > 0 && join(option->results()) != option->get_default_str();
+  });
+}
+
+Result<void> Verb::refuse_options(const std::vector<std::string>& options, const std::string& what) const {
+  const auto refused = changed_options(options);
+  if (refused.empty()) return {};
+  return fail(ErrorCode::kInvalidValue, refused.front()->get_name(), "has no effect on ", what, "; omit it");
+}
+
+std::string Verb::text_of_options(const std::vector<std::string>& options) const {
+  std::string text;
+  for (const CLI::Option* option : changed_options(options)) {
+    text += cat(" ", option->get_name());
+    if (option->get_expected_max() == 0) continue;  // flag
+    for (const std::string& value : option->results()) text += cat(" ", shell_word(value));
   }
-  return {};
+  return text;
 }
 
 int Verb::run(std::vector<std::string> arguments, const std::function<Result<void>()>& work) {

@@ -73,6 +73,10 @@ class Verb {
   /// although it has no effect, because the input is `what` ("a light field").
   [[nodiscard]] Result<void> refuse_options(const std::vector<std::string>& options, const std::string& what) const;
 
+  /// Returns those of these options, which are names or help groups, that differ from their defaults, as they are typed
+  /// (" --source bursts"), for the next command.
+  [[nodiscard]] std::string text_of_options(const std::vector<std::string>& options) const;
+
   /// Parses the arguments, runs `work`, and prints its error as "e2lf: <verb>: <what went wrong>; <what to do>".
   /// Returns the exit code of the process: 0 success, 1 failure, 2 usage error, 3 success with live input that
   /// failed early, 130 and 143 ended by SIGINT and SIGTERM.
@@ -93,6 +97,7 @@ class Verb {
   int print_help() const;
   [[nodiscard]] int exit_code(const Result<void>& result) const;
   [[nodiscard]] Result<Json> read_config();
+  [[nodiscard]] std::vector<const CLI::Option*> changed_options(const std::vector<std::string>& options) const;
   [[nodiscard]] std::vector<const CLI::Option*> typed_options(std::vector<std::string> arguments);
   [[nodiscard]] Result<std::vector<std::string>> configured_flags(const std::vector<std::string>& arguments);
   std::string name_, example_;

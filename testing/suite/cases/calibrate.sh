@@ -54,6 +54,11 @@ for name in whole lit; do
 done
 check "$(json whole.json "j['constants']['threshold_on']['uncertainty']") < $(json lit.json "j['constants']['threshold_on']['uncertainty']")"
 
+# The options of a recording belong to the next command, too.
+"$E2LF" simulate scene.npy --codes codes.npy --camera evk4-lcos --cycles 4 -o rig.raw --no-triggers --quiet
+"$E2LF" calibrate rig.raw --even --source schedule --origin-us 100000 --codes codes.npy -o rig.json --overwrite >report.txt 2>messages.txt
+grep -q "next: e2lf reconstruct rig.raw --codes codes.npy --source schedule --origin-us 100000 --camera rig.json -o rig" report.txt || fail "$(cat report.txt)"
+
 fails 1 'already' "$E2LF" calibrate events.npz --camera guess.json -o mine.json
 fails 1 'model pixel' "$E2LF" calibrate events.npz --camera paper -o x.json
 fails 1 'threshold_on' "$E2LF" calibrate events.npz --hold threshold_onn -o x.json

@@ -33,6 +33,10 @@ fails 1 "network" "$E2LF" reconstruct hybrid.npz --method inversion -o no
 fails 1 "e2lf-n4 takes event-images" "$E2LF" reconstruct hybrid.npz -m "$SOURCES/models/e2lf-n4.safetensors" -o no
 fails 1 "stream" "$E2LF" simulate demo/scene --measurement hybrid -o rec.raw
 fails 1 "event images" "$E2LF" simulate demo/scene --sigma-i 0.1 -o no.npz
+for unused in "--measurement coded-images --tau 0.2" "--measurement lens-array --event-model quantised" "--event-model esim --sigma-w 0.1" "--event-model v2e --eps 0.02"; do
+  option=${unused% *}
+  fails 1 "${option##* }: has no effect" "$E2LF" simulate demo/scene $unused -o no.npz
+done
 fails 1 "measurement \"picture\"" "$E2LF" simulate demo/scene --measurement picture -o no.npz
 fails 1 "requires event images" "$E2LF" calibrate coded.npz -o no.json
 fails 1 "measurements" "$E2LF" view coded.npz --export no.html

@@ -42,6 +42,9 @@ for part in (np.load("part.npz"), np.load("part_2.npz")):
     assert all(np.array_equal(one[k], part[k]) for k in "xypt"), "$input"
 PY
 done
+# A part that an earlier run left is not taken for one of this recording.
+"$E2LF" convert one.npz part.npz --restart split --overwrite --quiet 2>stderr.txt
+grep -q "part_2.npz is not a part of this recording" stderr.txt || fail "$(cat stderr.txt)"
 # The header of a recording without events lies between them: the times still go on.
 py -c 'd = open("evt3.raw", "rb").read(); i = d.index(b"% end\n") + 6; open("headers.raw", "wb").write(d + d[:i] + d)'
 "$E2LF" convert headers.raw out.npz --overwrite --quiet 2>stderr.txt || fail "$(cat stderr.txt)"

@@ -98,6 +98,7 @@ done
 fails 1 "e2lf video" "$E2LF" reconstruct rec.raw -m net.safetensors -o x
 fails 1 "e2lf reconstruct" "$E2LF" video rec.raw -m "$SOURCES/models/e2lf-n4.safetensors" -o x
 fails 2 "window-events" "$E2LF" video rec.raw -o x --window-us 5 --window-events 5
+fails 2 "window-us" "$E2LF" video rec.raw -o x --window-us 9223372036854775000
 fails 1 "demo/scene" "$E2LF" video demo/scene -o x
 fails 1 "frame" "$E2LF" video rec.raw -o x --window-triggers --channel 7
 fails 1 "rec.raw" "$E2LF" video rec.raw -o x --from-us 999999999

@@ -14,6 +14,7 @@
 #include "e2lf/info/recording_report.h"
 #include "e2lf/model/model.h"
 #include "e2lf/program/inputs.h"
+#include "e2lf/program/options.h"
 #include "e2lf/program/outputs.h"
 #include "e2lf/recon/scene_motion.h"
 #include "e2lf/terminal/progress_bar.h"
@@ -77,14 +78,15 @@ void match_transitions(const std::string& wanted, capture::Codes& codes, std::ve
   }
 }
 
-std::string next_step(const CalibrateArguments& arguments) {
+std::string next_step(const CalibrateArguments& arguments, const Verb& verb) {
   std::string command = cat("e2lf reconstruct ", shell_word(arguments.inputs.front()));
   const auto add = [&](const char* option, const fs::path& path) {
     if (!path.empty()) command += cat(" ", option, " ", shell_word(path));
   };
   add("-m", arguments.codes.model);
   add("--codes", arguments.codes.codes);
-  add("--schedule", arguments.cycles.schedule);
+  command +=
+      verb.text_of_options({kCycleOptions, kRecordingOptions, kTableOptions, "--transitions", "--invert-polarity"});
   add("--camera", arguments.output);
   add("-o", arguments.output.stem());
   return command;
@@ -120,7 +122,7 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   E2LF_RETURN_IF_ERROR(write_file(output.path(), calibrate::camera_json(calibration).dump(2) + "\n"));
   E2LF_RETURN_IF_ERROR(commit(output, record));
   print_result(common, report, calibrate::report_text(calibration));
-  print_next_step(next_step(arguments), common);
+  print_next_step(next_step(arguments, verb), common);
   return {};
 }
 

@@ -81,11 +81,15 @@ struct ConvertedPart {
   recordings::ConvertReport report;
 };
 
-/// Creates NAME.raw, or NAME_2.raw for the second part.
+/// Returns NAME.raw, or NAME_2.raw for the second part.
+fs::path path_of_part(fs::path output, size_t number) {
+  if (number > 1) output.replace_filename(cat(output.stem().string(), "_", number, output.extension().string()));
+  return output;
+}
+
 Result<ConvertedPart> create_part(const ConvertArguments& arguments, const recordings::Codec& codec, size_t number,
                                   const Verb& verb) {
-  fs::path named = arguments.output;
-  if (number > 1) named.replace_filename(cat(named.stem().string(), "_", number, named.extension().string()));
+  const fs::path named = path_of_part(arguments.output, number);
   const OutputRules rules = recording_output_rules(verb, codec);
   E2LF_ASSIGN_OR_RETURN(OutputFile output, OutputFile::create(named, rules));
   if (number > 1 && output.is_stream()) {
@@ -173,6 +177,10 @@ Result<void> convert_events(const ConvertArguments& arguments, const Verb& verb)
     verb.set_failed_input(part.report.summary.live.failure);
     if (!common.json) print_result(common, {}, part_text(part), part.output.text());
     json["parts"].push_back(part_json(part));
+  }
+  const fs::path next = path_of_part(arguments.output, parts.size() + 1);
+  if (open.restart == recordings::RestartPolicy::kSplit && fs::exists(next)) {
+    log_warning(cat(next.string(), " is not a part of this recording; it was there before"));
   }
   if (parts.size() == 1) json = part_json(parts.front());
   if (common.json) print_result(common, json, "", parts.front().output.text());

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 #include "e2lf/base/log.h"
 #include "e2lf/base/text.h"
@@ -281,7 +282,27 @@ class SimulatedFile {
   fs::path measurements_path_;
 };
 
+/// Fails if a constant is given that the event model, or a measurement without events, does not have.
+Result<void> check_constants(const SimulateArguments& arguments, const Setup& setup) {
+  const std::string& model = setup.known.event_model;
+  const bool has_events = capture::has_events(setup.known.measurement), is_v2e = model == "v2e";
+  const std::tuple<const char*, bool, bool> flags[] = {
+      {"--event-model", !arguments.event_model.empty(), has_events},
+      {"--eps", arguments.eps.has_value(), has_events && !is_v2e},
+      {"--tau", arguments.tau.has_value(), has_events && !is_v2e},
+      {"--sigma-w", arguments.sigma_w.has_value(), has_events && !is_v2e && model != "esim"},
+      {"--sigma-z", arguments.sigma_z.has_value(), has_events && !is_v2e},
+      {"--residue", arguments.residue != 0.0F, has_events}};
+  for (const auto& [flag, is_given, is_used] : flags) {
+    if (!is_given || is_used) continue;
+    return fail(ErrorCode::kInvalidValue, flag, "has no effect on ",
+                has_events ? cat("the event model ", model) : "a measurement without events", "; omit it");
+  }
+  return {};
+}
+
 Result<void> check_use(const SimulateArguments& arguments, const Setup& setup, bool is_stream, const Verb& verb) {
+  E2LF_RETURN_IF_ERROR(check_constants(arguments, setup));
   const auto useless = [](const char* flag, const char* why) {
     return fail(ErrorCode::kInvalidValue, flag, why, "; leave it out");
   };

@@ -220,7 +220,7 @@ void add_window_options(CLI::App& app, VideoArguments& video) {
   CLI::Option* const by_time =
       app.add_option("--window-us", video.window_us,
                      cat("duration of the events of each frame; without any window: ", kDefaultWindowUs))
-          ->check(whole_number(1));
+          ->check(whole_number(1, int64_t{3'600'000'000}));
   CLI::Option* const by_count = app.add_option("--window-events", video.window_events, "number of events of each frame")
                                     ->check(whole_number(1))
                                     ->excludes(by_time);
