@@ -209,9 +209,17 @@ Result<cycles::Schedule> choose_schedule(const ScheduleChoice& choice, const std
 
 Result<void> choose_source(cycles::CycleOptions& options, const std::optional<int64_t>& origin_us) {
   using cycles::CycleSource;
+  const bool has_triggers = options.one_trigger_per_cycle || options.channel;
   if (options.source == CycleSource::kAuto) {
-    const bool has_triggers = options.one_trigger_per_cycle || options.channel;
     options.source = has_triggers ? CycleSource::kTriggers : origin_us ? CycleSource::kSchedule : CycleSource::kAuto;
+  }
+  if (has_triggers && options.source != CycleSource::kTriggers) {
+    return fail(ErrorCode::kInvalidValue, "", "the source of the cycles is not the triggers; omit what describes them")
+        .about(options.channel ? "channel" : "one_trigger_per_cycle");
+  }
+  if (origin_us && options.source != CycleSource::kSchedule) {
+    return fail(ErrorCode::kInvalidValue, "", "the source of the cycles is not the schedule; omit when a cycle began")
+        .about("origin_us");
   }
   if (options.source == CycleSource::kSchedule && !origin_us) {
     return fail(ErrorCode::kInvalidValue, "",

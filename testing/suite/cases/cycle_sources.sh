@@ -16,6 +16,12 @@ done
 "$E2LF" reconstruct bursts.raw -o light_fields --method inversion --source schedule --origin-us 50000 >out.txt 2>err.txt
 grep -q "cycles.*patterns" err.txt || fail "reconstruct: $(cat err.txt)"
 fails 1 "--origin-us" "$E2LF" accumulate bursts.raw -o none.npz --source schedule
+# What belongs to another source is not ignored.
+fails 1 "(--channel)" "$E2LF" accumulate bursts.raw -o none.npz --source bursts --channel 0
+fails 1 "(--one-trigger-per-cycle)" "$E2LF" accumulate bursts.raw -o none.npz --source schedule --origin-us 100000 --one-trigger-per-cycle
+fails 1 "(--origin-us)" "$E2LF" accumulate bursts.raw -o none.npz --source bursts --origin-us 100000
+echo '{}' >schedule.json
+fails 2 "--schedule" "$E2LF" accumulate bursts.raw -o none.npz --schedule schedule.json --patterns 4
 absent none.npz
 # Triggers count in pipes and live recordings as in files; a recording that begins in the middle of a cycle loses that one.
 "$E2LF" simulate demo/scene -o triggers.raw --cycles 4 --quiet

@@ -114,12 +114,14 @@ void add_change_options(CLI::App& app, CycleFlags& flags) {
   const OptionGroup group(app, kCycleOptions);
   add_choice(app, "--source", flags.events.cycles.source, kCycleSources,
              "source of the times at which patterns change: triggers, bursts (the events), schedule, auto");
-  app.add_option("--schedule", flags.schedule,
-                 "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
-      ->check(CLI::ExistingFile);
+  CLI::Option* const schedule =
+      app.add_option("--schedule", flags.schedule,
+                     "JSON: the patterns of a cycle and how long each is shown; default: the paper's")
+          ->check(CLI::ExistingFile);
   app.add_option("--patterns", flags.events.schedule.num_patterns,
                  "number N of coding patterns of the paper's schedule; default: as the recording states, or else 4")
-      ->check(whole_number(2, 64));
+      ->check(whole_number(2, 64))
+      ->excludes(schedule);
   add_choice(app, "--edge", flags.events.cycles.edge, cycles::kTriggerEdges, "trigger edge: rising, falling, both");
   app.add_option("--channel", flags.events.cycles.channel, "trigger input; default: all");
   app.add_option(
