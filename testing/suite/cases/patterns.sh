@@ -89,6 +89,9 @@ for file in checked adapted; do "$E2LF" model info $file.safetensors --json >$fi
 loss=$(json checked.json "j['precision_loss']")
 [ "$loss" = "$(json adapted.json "j['precision_loss']")" ] || fail "the loss of the adapted network"
 py -c "assert abs($loss['int16_db']) < 0.1"
+# Patterns of fewer cells take the central views.
+py -c 'import numpy as n; c = n.zeros((4, 5, 5)); c[1, :2, :2] = c[2, 3:, 1:3] = c[3, 1:3, 3:] = 1; n.save("five.npy", c.astype("f4"))'
+"$E2LF" model store e2lf-any --codes five.npy --check demo/scene -o five.safetensors --quiet
 # It becomes a model of these patterns alone with `model store`, and is refused without patterns.
 "$E2LF" model store e2lf-any --codes other.npy -o mine.safetensors --quiet
 "$E2LF" reconstruct any.npz -m mine.safetensors -o mine --format npy --quiet

@@ -11,7 +11,7 @@
 #include "e2lf/geometry/any_patterns.h"
 #include "e2lf/info/describe.h"
 #include "e2lf/info/file_kind.h"
-#include "e2lf/lightfield/light_field_io.h"
+#include "e2lf/lightfield/light_field.h"
 #include "e2lf/model/onnx/onnx_export.h"
 #include "e2lf/pipeline/recorded_setup.h"
 #include "e2lf/pipeline/simulated_cycles.h"
@@ -121,14 +121,15 @@ Result<model::Model> rewrite(const RewriteArguments& arguments, const char* step
 }
 
 /// Measures what the network loses on the light fields in `paths`: a network for any patterns with the default ones.
-Result<model::PrecisionLoss> check_precision(model::Model model, const std::vector<fs::path>& paths) {
+Result<model::PrecisionLoss> check_precision(model::Model model, const std::vector<fs::path>& paths, bool is_quiet) {
   if (model::is_for_any_patterns(model) && !model.codes) {
     E2LF_ASSIGN_OR_RETURN(const capture::Codes patterns, pipeline::usual_patterns());
     E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, patterns));
   }
   std::vector<lightfield::LightField> scenes;
   for (const fs::path& path : paths) {
-    E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene, lightfield::read_light_field(path, {}));
+    E2LF_ASSIGN_OR_RETURN(lightfield::LightField scene,
+                          load_scene(path, {.views_y = model.views_y, .views_x = model.views_x}, is_quiet));
     scenes.push_back(std::move(scene));
   }
   return pipeline::measure_precision_loss(model, scenes);
@@ -155,7 +156,7 @@ int run_model_store(const std::vector<std::string>& arguments) {
         E2LF_ASSIGN_OR_RETURN(model, geometry::for_patterns(model, patterns));
       }
       if (!scenes.empty()) {
-        E2LF_ASSIGN_OR_RETURN(model.precision_loss, check_precision(model, scenes));
+        E2LF_ASSIGN_OR_RETURN(model.precision_loss, check_precision(model, scenes, verb.common().quiet));
       }
       return model::write_model(path, model, model::WeightStorage::kBfloat16);
     };
