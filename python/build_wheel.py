@@ -169,12 +169,14 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     record = f"e2lf-{version()}.dist-info/RECORD"
     folder = Path(settings["build-dir"]).absolute() if "build-dir" in settings else build()
     lines = []
-    with tempfile.TemporaryDirectory() as prefix, zipfile.ZipFile(Path(wheel_directory) / name, "w") as wheel:
-        for path, data, mode in contents(package(folder, prefix), tag, settings.get("licences")):
-            entry = zipfile.ZipInfo(path)
-            entry.external_attr = mode << 16
-            wheel.writestr(entry, data, zipfile.ZIP_DEFLATED)
-            digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
-            lines.append(f"{path},sha256={digest},{len(data)}\n")
-        wheel.writestr(record, "".join(lines) + f"{record},,\n", zipfile.ZIP_DEFLATED)
+    with tempfile.TemporaryDirectory() as prefix:
+        installed = package(folder, prefix)  # before the wheel exists, because it fails if the folder is another one
+        with zipfile.ZipFile(Path(wheel_directory) / name, "w") as wheel:
+            for path, data, mode in contents(installed, tag, settings.get("licences")):
+                entry = zipfile.ZipInfo(path)
+                entry.external_attr = mode << 16
+                wheel.writestr(entry, data, zipfile.ZIP_DEFLATED)
+                digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+                lines.append(f"{path},sha256={digest},{len(data)}\n")
+            wheel.writestr(record, "".join(lines) + f"{record},,\n", zipfile.ZIP_DEFLATED)
     return name

@@ -60,6 +60,7 @@ check "$(json whole.json "j['constants']['threshold_on']['uncertainty']") < $(js
 grep -q "next: e2lf reconstruct rig.raw --codes codes.npy --source schedule --origin-us 100000 --camera rig.json -o rig" report.txt || fail "$(cat report.txt)"
 
 fails 1 'already' "$E2LF" calibrate events.npz --camera guess.json -o mine.json
+fails 1 'name them once' "$E2LF" calibrate events.npz events.npz -o x.json
 fails 1 'model pixel' "$E2LF" calibrate events.npz --camera paper -o x.json
 fails 1 'threshold_on' "$E2LF" calibrate events.npz --hold threshold_onn -o x.json
 py -c 'import numpy as np; np.save("bare.npy", np.load("events.npz")["events"])'

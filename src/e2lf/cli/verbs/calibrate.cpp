@@ -100,6 +100,9 @@ Result<void> calibrate_camera(const CalibrateArguments& arguments, const Verb& v
   std::vector<calibrate::StillScene> scenes;
   std::optional<capture::Codes> stated;
   for (const fs::path& path : arguments.inputs) {
+    if (std::ranges::count(arguments.inputs, path) > 1) {
+      return fail(ErrorCode::kInvalidValue, path, "the same events cannot determine a camera twice; name them once");
+    }
     E2LF_ASSIGN_OR_RETURN(calibrate::StillScene scene, read_scene(path, arguments.cycles, verb, record, stated));
     scenes.push_back(std::move(scene));
   }
